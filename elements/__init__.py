@@ -1,0 +1,12 @@
+"""What has mass or pulls: cables, rigid bodies, particles, springs and loads. Import it as ``mbd.elements``."""
+
+if __name__ != "mbd.elements":
+    raise ImportError(f"import mbd.elements, not {__name__}: loaded twice, every class would exist twice")
+
+from .ancf_cable import AncfCable
+from .load import Force, Torque
+from .particle import Particle
+from .rigid import RigidBody
+from .spring import Spring, TorsionSpring
+
+__all__ = ["AncfCable", "Force", "Particle", "RigidBody", "Spring", "TorsionSpring", "Torque"]

@@ -1,0 +1,243 @@
+"""Joints between two markers: each is a short list of quadratic rows over the markers' points and axes.
+
+``rows(a, b, pose, scalars)`` is all that a joint says of itself; ``pose`` holds what the markers' axes were at the start. The same rows
+give values, gradients and curvatures in the system, and the joint's reaction on its first marker.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from mbd import validate
+from mbd.affine import Affine, Array
+from mbd.marker import Marker, frame
+from mbd.rows import Row, coincide, cross, distance, dot, parallel
+
+if TYPE_CHECKING:
+    from mbd.model import Model
+    from mbd.scene import Site
+
+
+class Pose(NamedTuple):
+    """Two markers at the start: their axes as columns [d, n_axes], and the distance between them [m]."""
+
+    axes_a: Array
+    axes_b: Array
+    apart: float
+
+
+def pose_of(a: Marker, b: Marker, q: Array) -> Pose:
+    d = a.dimension
+    axes = [frame(marker, q) if marker.turns() else np.zeros((d, 0)) for marker in (a, b)]
+    return Pose(axes[0], axes[1], float(np.linalg.norm((a.point - b.point).value(q))))
+
+
+class PlacedJoint:
+    """A joint in a scene; ``pivot = scene.add(mbd.Pin(...))``, then ``result.reaction(pivot)``."""
+
+    def __init__(self, description: Any, site: Site, scalars: list[int]):
+        self.description, self.name, self.site, self.scalars = description, site.name, site, scalars
+
+    def pose(self, q0: Array) -> Pose:
+        """The markers at the start coordinates q0 [n]."""
+        return pose_of(self.description.a, self.description.b, q0)
+
+    def assemble(self, model: Model) -> None:
+        joint, pose = self.description, self.pose(model.q0)
+        for complaint in joint.misfits(pose):
+            model.complain(self, complaint)
+            return
+        for label, row in joint.rows(joint.a, joint.b, pose, self.scalars):
+            model.equation(self.name, label, row)
+
+
+def _fixed_in(marker: Marker, axes: Array, direction: Array) -> Affine:
+    """The direction [3] at the start as an axis that turns with a rigid spatial marker."""
+    parts = [axis.scaled(float(c)) for axis, c in zip(marker.axes, axes.T @ direction)]
+    return parts[0] + parts[1] + parts[2]
+
+
+def _normals(axis: Array) -> tuple[Array, Array]:
+    """Two unit vectors perpendicular to an axis [3] and to each other."""
+    first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    first /= np.linalg.norm(first)
+    second = np.cross(axis, first)
+    return first, second / np.linalg.norm(second)
+
+
+def _points(a: Marker, b: Marker) -> list[tuple[str, Row]]:
+    return [(f"position {axis}", row) for axis, row in zip("xyz", coincide(a.point, b.point))]
+
+
+@dataclass(frozen=True, eq=False)
+class Pin:
+    """The points coincide; in the plane both sides turn freely, in space about ``axis`` (revolute; [3], inertial components at the start)."""
+
+    a: Marker
+    b: Marker
+    axis: Any = field(default=None, kw_only=True)
+    name: str | None = field(default=None, kw_only=True)
+
+    kind = "pin"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "axis", validate.floats(self.axis))
+
+    @property
+    def markers(self) -> tuple[Marker, ...]:
+        return (self.a, self.b)
+
+    def faults(self, dimension: int) -> list[str]:
+        if dimension == 2:
+            return [] if self.axis is None else ["axis: expected none in a planar scene, found one; leave it out"]
+        if self.axis is None:
+            return ["axis: expected the axis of rotation of a spatial pin, found none; give axis=(x, y, z), or use a Ball"]
+        found = validate.vector("axis", self.axis, 3)
+        if not found and not np.linalg.norm(self.axis):
+            found = ["axis: expected a direction, found a zero vector; give axis=(x, y, z)"]
+        found += [f"marker: expected one that carries axes, found {m!r}; use a Ball on a particle" for m in self.markers if not m.turns()]
+        if not (self.a.rigid or self.b.rigid):
+            found.append("marker: expected at least one on a body or the ground (two thin cables hold no common axis), found two cables; use a Ball")
+        return found
+
+    def place(self, site: Site) -> PlacedJoint:
+        return PlacedJoint(self, site, [])
+
+    def misfits(self, pose: Pose) -> list[str]:
+        if self.axis is None:
+            return []
+        unit = self.axis / np.linalg.norm(self.axis)
+        for marker, axes in ((self.a, pose.axes_a), (self.b, pose.axes_b)):
+            along = 0.0 if marker.rigid else abs(axes[:, 0] @ unit) / np.linalg.norm(axes[:, 0])
+            if along > 1e-6:
+                return [f"axis: expected one across the cable {marker.item!r} (it has no torsion), found one with cosine {along:.3g} to it; turn the axis"]
+        return []
+
+    def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
+        if self.axis is None:
+            return _points(a, b)
+        unit = self.axis / np.linalg.norm(self.axis)
+        if not (a.rigid and b.rigid):
+            body, axes, cable = (a, pose.axes_a, b) if a.rigid else (b, pose.axes_b, a)
+            return [*_points(a, b), ("axis", dot(_fixed_in(body, axes, unit), cable.axes[0]))]
+        axle = _fixed_in(a, pose.axes_a, unit)
+        return _points(a, b) + [(f"axis {k + 1}", dot(axle, _fixed_in(b, pose.axes_b, n))) for k, n in enumerate(_normals(unit))]
+
+
+@dataclass(frozen=True, eq=False)
+class Ball:
+    """The points coincide; all rotations are free."""
+
+    a: Marker
+    b: Marker
+    name: str | None = field(default=None, kw_only=True)
+
+    kind = "ball joint"
+
+    @property
+    def markers(self) -> tuple[Marker, ...]:
+        return (self.a, self.b)
+
+    def faults(self, dimension: int) -> list[str]:
+        return []
+
+    def place(self, site: Site) -> PlacedJoint:
+        return PlacedJoint(self, site, [])
+
+    def misfits(self, pose: Pose) -> list[str]:
+        return []
+
+    def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
+        return _points(a, b)
+
+
+@dataclass(frozen=True, eq=False)
+class Distance:
+    """The points keep their distance: a massless rigid rod. length [m]; None: the distance at the start."""
+
+    a: Marker
+    b: Marker
+    length: Any = field(default=None, kw_only=True)
+    name: str | None = field(default=None, kw_only=True)
+
+    kind = "distance"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "length", validate.floats(self.length))
+
+    @property
+    def markers(self) -> tuple[Marker, ...]:
+        return (self.a, self.b)
+
+    def faults(self, dimension: int) -> list[str]:
+        return validate.number("length", self.length, positive=True) if self.length is not None else []
+
+    def place(self, site: Site) -> PlacedJoint:
+        return PlacedJoint(self, site, [])
+
+    def misfits(self, pose: Pose) -> list[str]:
+        if pose.apart == 0.0:
+            return ["markers: expected points apart (a rod between coinciding points has no direction), found distance 0; move one, or use a Ball"]
+        return []
+
+    def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
+        return [("length", distance(a.point, b.point, pose.apart if self.length is None else float(self.length)))]
+
+
+@dataclass(frozen=True, eq=False)
+class Clamp:
+    """The points coincide and the axes keep their relative direction.
+
+    A cable is held by its tangent's direction, while the length of the slope, its axial stretch, stays free. In space a thin cable has
+    no torsion: clamped to a body it holds the tangent (two rows), clamped to a cable its tangent must be parallel to the other's.
+    """
+
+    a: Marker
+    b: Marker
+    name: str | None = field(default=None, kw_only=True)
+
+    kind = "clamp"
+
+    @property
+    def markers(self) -> tuple[Marker, ...]:
+        return (self.a, self.b)
+
+    def faults(self, dimension: int) -> list[str]:
+        return [f"marker: expected one that carries an axis, found {m!r}; use a Pin or Ball on a particle" for m in self.markers if not m.turns()]
+
+    def place(self, site: Site) -> PlacedJoint:
+        a, b = self.markers
+        if a.dimension == 3 and not a.rigid and not b.rigid:
+            return PlacedJoint(self, site, [site.scalar(*_stretch_ratio(a, b, site), "ratio of stretches")])
+        return PlacedJoint(self, site, [])
+
+    def misfits(self, pose: Pose) -> list[str]:
+        if len(pose.axes_a) == 2 or self.a.rigid or self.b.rigid:
+            return []
+        a, b = (axes[:, 0] / np.linalg.norm(axes[:, 0]) for axes in (pose.axes_a, pose.axes_b))
+        sine = float(np.linalg.norm(np.cross(a, b)))
+        if sine > 1e-6:
+            return [f"tangents: expected parallel ones between two thin spatial cables, found an angle of {np.arcsin(min(sine, 1.0)):.6g} rad; put a body between them"]
+        return []
+
+    def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
+        if a.dimension == 2:
+            turn = complex(*pose.axes_a[:, 0]) / complex(*pose.axes_b[:, 0])
+            return [*_points(a, b), ("direction", cross(a.axes[0], b.axes[0].scaled(turn / abs(turn))))]
+        if a.rigid and b.rigid:
+            mates = [_fixed_in(b, pose.axes_b, axis) for axis in pose.axes_a.T]
+            return _points(a, b) + [(f"axis {k + 1}", dot(a.axes[k], mates[(k + 1) % 3])) for k in range(3)]
+        if not (a.rigid or b.rigid):
+            return _points(a, b) + [(f"tangent {axis}", row) for axis, row in zip("xyz", parallel(a.axes[0], b.axes[0], scalars[0]))]
+        body, axes, cable, tangent = (a, pose.axes_a, b, pose.axes_b) if a.rigid else (b, pose.axes_b, a, pose.axes_a)
+        normals = _normals(tangent[:, 0] / np.linalg.norm(tangent[:, 0]))
+        return _points(a, b) + [(f"tangent {k + 1}", dot(_fixed_in(body, axes, n), cable.axes[0])) for k, n in enumerate(normals)]
+
+
+def _stretch_ratio(a: Marker, b: Marker, site: Site) -> tuple[float, float]:
+    q, _ = site.scene.layout.start()
+    ta, tb = a.axes[0].value(q), b.axes[0].value(q)
+    return float(ta @ tb / (tb @ tb)), 0.0

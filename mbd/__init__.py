@@ -1,0 +1,60 @@
+"""mbd: multibody dynamics with large deformations.
+
+Flexible beams in the absolute nodal coordinate formulation, rigid bodies and joints, solved as Lagrange-multiplier DAEs by
+index-reduced implicit integration. Start with ``Scene``, ``add``, ``simulate``; nothing is imported before it is used.
+"""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if __name__ != "mbd":
+    raise ImportError(f"import mbd, not {__name__}: loaded twice, every class would exist twice")
+
+_here = Path(__file__).parent
+if not (_here / "elements").is_dir():
+    # In the source tree the sub-packages lie beside this folder: let a local ./mbd find them, as an installed one does inside itself.
+    __path__.append(str(_here.parent))
+
+if TYPE_CHECKING:
+    from .elements import AncfCable, Force, Particle, RigidBody, Spring, Torque, TorsionSpring
+    from .errors import SceneError, SceneWarning, SimulationError
+    from .joints import Ball, Clamp, Distance, Pin
+    from .marker import Marker
+    from .result import Result, load
+    from .scene import Scene
+    from .assemble import assemble
+    from .simulate import simulate
+    from .solvers import GeneralizedAlpha, Radau
+    from .state import State
+
+_HOMES = {
+    "elements": ("AncfCable", "Force", "Particle", "RigidBody", "Spring", "TorsionSpring", "Torque"),
+    "joints": ("Ball", "Clamp", "Distance", "Pin"),
+    "solvers": ("GeneralizedAlpha", "Radau"),
+    "errors": ("SceneError", "SceneWarning", "SimulationError"),
+    "marker": ("Marker",),
+    "result": ("Result", "load"),
+    "scene": ("Scene",),
+    "assemble": ("assemble",),
+    "simulate": ("simulate",),
+    "state": ("State",),
+}
+_HOME = {name: module for module, names in _HOMES.items() for name in names}
+
+__version__ = "0.1.0"
+__all__ = sorted([*_HOME, "__version__"])
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'mbd' has no attribute {name!r}")
+    value = getattr(importlib.import_module(f"mbd.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

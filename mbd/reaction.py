@@ -1,0 +1,53 @@
+"""What a joint does to its first marker: force and moment from its multipliers.
+
+The joint's own rows are written once more, over a small table that holds just the two markers' points and axes; the gradient with
+respect to the first marker's point is the force, with respect to its axes the moment (axis x force on the axis).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .affine import Affine, Array
+from .constraint import Quadratic
+from .marker import Marker
+
+
+def _standalone(marker: Marker, first: int) -> Marker:
+    """The marker with a point and axes that are rows of their own."""
+    d = marker.dimension
+    axes = tuple(Affine.of([first + 1 + k], [1.0], d) for k in range(len(marker.axes)))
+    return Marker(marker.item, marker.scene, Affine.of([first], [1.0], d), axes, marker.rigid)
+
+
+def _values(marker: Marker, q: Array) -> list[Array]:
+    return [marker.point.value(q), *(axis.value(q) for axis in marker.axes)]
+
+
+def reaction(joint: Any, pose: Any, q: Array, multipliers: Array) -> Array:
+    """[..., 3] (planar) or [..., 6] (spatial): force and moment on the first marker, about it, inertial axes.
+
+    q [..., n]; multipliers [..., rows of the joint].
+    """
+    a, b = joint.description.a, joint.description.b
+    own_a, own_b = _standalone(a, 0), _standalone(b, 1 + len(a.axes))
+    d, n_rows = a.dimension, 2 + len(a.axes) + len(b.axes)
+    scalars = [-1 - k for k in range(len(joint.scalars))]
+    rows = [row for _, row in joint.description.rows(own_a, own_b, pose, scalars)]
+    n = d * n_rows + len(scalars)
+    vectors = np.concatenate([*_values(a, q), *_values(b, q)], axis=-1)
+    table = np.concatenate((vectors, q[..., joint.scalars[::-1]]), axis=-1) if scalars else vectors
+    kernel = Quadratic(rows, n)
+    pull = -kernel.gradient(kernel.prepare(table)) * multipliers[..., kernel.rows]
+    dense = np.zeros((*q.shape[:-1], n))
+    for k, column in enumerate(kernel.cols):
+        dense[..., column] += pull[..., k]
+    on_axes = dense[..., d : d * (1 + len(a.axes))].reshape(*q.shape[:-1], len(a.axes), d)
+    axes = vectors[..., d : d * (1 + len(a.axes))].reshape(on_axes.shape)
+    if d == 2:
+        moment = np.sum(axes[..., 0] * on_axes[..., 1] - axes[..., 1] * on_axes[..., 0], axis=-1)[..., None]
+    else:
+        moment = np.sum(np.cross(axes, on_axes), axis=-2) if len(a.axes) else np.zeros((*q.shape[:-1], 3))
+    return np.concatenate((dense[..., :d], moment), axis=-1)

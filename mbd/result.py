@@ -1,0 +1,261 @@
+"""Results of a run: labelled arrays, computed when asked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .affine import Array
+from .marker import Marker
+from .reaction import reaction
+from .state import State
+from .system import System
+
+if TYPE_CHECKING:
+    from .assemble import Assembly
+    from .scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """The accepted steps of a run, and the method that can fill in between them.
+
+    t [k], q, v [k, n], work [k] of loads and dampers since the start [J], states as the solver left them.
+    """
+
+    t: Array
+    q: Array
+    v: Array
+    work: Array
+    states: Sequence[Any]
+    method: Any
+    linear: Any
+
+    @classmethod
+    def of(cls, record: Any, method: Any, linear: Any) -> Trajectory:
+        states = record.states
+        t, q, v = (np.array([getattr(state, name) for state in states]) for name in "tqv")
+        return cls(t, q, v, np.array(record.work), states, method, linear)
+
+    def at(self, system: System, times: Array) -> tuple[Array, Array]:
+        """q, v [..., n] at times within the run: by the method's own interpolation, projected to the joints."""
+        flat = times.ravel()
+        if np.any(flat < self.t[0]) or np.any(flat > self.t[-1]):
+            raise ValueError(f"t: expected times between {self.t[0]:g} and {self.t[-1]:g} s, found {flat.min():g} to {flat.max():g}")
+        q, v = np.empty((flat.size, self.q.shape[1])), np.empty((flat.size, self.q.shape[1]))
+        step = np.clip(np.searchsorted(self.t, flat, side="left"), 1, max(len(self.t) - 1, 1)) - 1
+        for k in np.unique(step):
+            here = np.flatnonzero(step == k)
+            q[here], v[here] = self._inside(system, int(k), flat[here])
+        return q.reshape(*times.shape, -1), v.reshape(*times.shape, -1)
+
+    def _inside(self, system: System, k: int, times: Array) -> tuple[Array, Array]:
+        if len(self.t) == 1:
+            return np.repeat(self.q, times.size, axis=0), np.repeat(self.v, times.size, axis=0)
+        q, v = self.method.inside(system, self.linear, self.states[k], self.states[k + 1], times)
+        for end in (k, k + 1):
+            exact = times == self.t[end]
+            q[exact], v[exact] = self.q[end], self.v[end]
+        return q, v
+
+
+@dataclass(frozen=True, eq=False)
+class Energy:
+    """Energies [n_t] [J]; the potential one is of gravity, zero at the origin."""
+
+    kinetic: Array
+    elastic: Array
+    potential: Array
+
+    @property
+    def total(self) -> Array:
+        return self.kinetic + self.elastic + self.potential
+
+
+class Result:
+    """A run of a scene.
+
+    t [n_t]: the accepted steps, or ``t_eval``; q, v [n_t, n] in order of ``scene.coordinates()``. Methods take a marker or item, and
+    optionally other times ``t``, at which values are interpolated and projected to the joints.
+    """
+
+    def __init__(self, scene: Scene, system: System, trajectory: Trajectory, stats: dict[str, Any], assembly: Assembly, t_eval: Array | None):
+        self.scene, self.system, self.trajectory, self.stats, self.assembly = scene, system, trajectory, stats, assembly
+        if t_eval is None:
+            self.t, self.q, self.v = trajectory.t, trajectory.q, trajectory.v
+        else:
+            self.t = t_eval[t_eval <= trajectory.t[-1]]
+            self.q, self.v = trajectory.at(system, self.t)
+
+    def __repr__(self) -> str:
+        return f"<result: {self.trajectory.t[0]:g} to {self.trajectory.t[-1]:g} s in {len(self.trajectory.t) - 1} steps>"
+
+    @property
+    def final(self) -> State:
+        """The last state: ``simulate(scene, t_end, start=result.final)`` continues."""
+        return State(self.trajectory.q[-1], self.trajectory.v[-1], float(self.trajectory.t[-1]))
+
+    def _motion(self, t: ArrayLike | None) -> tuple[Array, Array]:
+        if t is None:
+            return self.q, self.v
+        return self.trajectory.at(self.system, np.asarray(t, dtype=float))
+
+    def position(self, marker: Marker, t: ArrayLike | None = None) -> Array:
+        """[n_t, d] [m]."""
+        return _marker(marker).point.value(self._motion(t)[0])
+
+    def velocity(self, marker: Marker, t: ArrayLike | None = None) -> Array:
+        """[n_t, d] [m/s]."""
+        return _marker(marker).point.rate(self._motion(t)[1])
+
+    def acceleration(self, marker: Marker, t: ArrayLike | None = None) -> Array:
+        """[n_t, d] [m/s^2], from the equations of motion at each instant."""
+        return _marker(marker).point.rate(self._index_one(t)[0])
+
+    @cached_property
+    def _at_steps(self) -> tuple[Array, Array]:
+        return self._solve_index_one(self.t, self.q, self.v)
+
+    def _index_one(self, t: ArrayLike | None) -> tuple[Array, Array]:
+        """Accelerations [..., n] and multipliers [..., m]."""
+        if t is None:
+            return self._at_steps
+        times = np.asarray(t, dtype=float)
+        q, v = self._motion(times)
+        a, multipliers = self._solve_index_one(times.ravel(), q.reshape(-1, self.system.n), v.reshape(-1, self.system.n))
+        return a.reshape(q.shape), multipliers.reshape(*q.shape[:-1], self.system.m)
+
+    def _solve_index_one(self, times: Array, q: Array, v: Array) -> tuple[Array, Array]:
+        from .solvers.start import accelerations, mass_factor
+
+        linear = self.trajectory.linear
+        out_a, out_l = np.empty_like(q), np.empty((len(q), self.system.m))
+        for k in range(len(q)):
+            factor = mass_factor(self.system, linear, q[k])
+            out_a[k], out_l[k] = accelerations(self.system, factor, q[k], v[k], self.system.inputs(float(times[k])))
+        return out_a, out_l
+
+    def reaction(self, joint: Any, t: ArrayLike | None = None) -> Array:
+        """[n_t, 3] or [n_t, 6]: force [N], then moment [N m], that the joint exerts on its first marker, about it, in inertial axes."""
+        rows = [k for k, (item, _) in enumerate(self.system.joints.labels) if item == getattr(joint, "name", None)]
+        if not rows or not hasattr(getattr(joint, "description", None), "rows"):
+            raise ValueError(f"reaction({joint!r}): expected a joint of this scene, as scene.add(mbd.Pin(...)) returned it")
+        q, _ = self._motion(t)
+        return reaction(joint, joint.pose(self.system.q0), q, self._index_one(t)[1][..., rows])
+
+    def angle(self, item: Any, t: ArrayLike | None = None) -> Array:
+        """[n_t] [rad]: of a planar body's or marker's axis, of a cable marker's tangent; counter-clockwise, unwrapped."""
+        axis = self._axis(item)
+        steps = self.trajectory
+        direction, turning = axis.value(steps.q), axis.rate(steps.v)
+        principal = np.arctan2(direction[:, 1], direction[:, 0])
+        speed = (direction[:, 0] * turning[:, 1] - direction[:, 1] * turning[:, 0]) / np.sum(direction**2, axis=1)
+        expected = 0.5 * np.diff(steps.t) * (speed[1:] + speed[:-1])
+        turns = np.round((np.diff(principal) - expected) / (2.0 * np.pi))
+        angles = principal - 2.0 * np.pi * np.concatenate(([0.0], np.cumsum(turns)))
+        times = self.t if t is None else np.asarray(t, dtype=float)
+        now = axis.value(self._motion(t)[0])
+        near = np.interp(times, steps.t, angles) if len(steps.t) > 1 else np.full(times.shape, angles[0])
+        wrapped = np.arctan2(now[..., 1], now[..., 0])
+        return wrapped + 2.0 * np.pi * np.round((near - wrapped) / (2.0 * np.pi))
+
+    def _axis(self, item: Any) -> Any:
+        axes = getattr(item, "axes", ())
+        if self.system.dimension != 2:
+            raise ValueError("angle: expected a planar scene; use rotation() and angular_velocity() in space")
+        if not axes:
+            raise ValueError(f"angle({item!r}): expected a rigid body, or a marker that carries an axis")
+        return axes[0]
+
+    def rotation(self, body: Any, t: ArrayLike | None = None) -> Array:
+        """[n_t, d, d]: columns are the body axes."""
+        q, _ = self._motion(t)
+        return _frame(self._body_axes(body), q)
+
+    def angular_velocity(self, body: Any, t: ArrayLike | None = None) -> Array:
+        """[n_t, 3] inertial components (spatial), [n_t] (planar) [rad/s]."""
+        q, v = self._motion(t)
+        axes = self._body_axes(body)
+        e = np.stack([axis.value(q) for axis in axes], axis=-2)
+        rate = np.stack([axis.rate(v) for axis in axes], axis=-2)
+        if self.system.dimension == 2:
+            return e[..., 0, 0] * rate[..., 0, 1] - e[..., 0, 1] * rate[..., 0, 0]
+        return 0.5 * np.sum(np.cross(e, rate), axis=-2)
+
+    def _body_axes(self, body: Any) -> Any:
+        rigid = getattr(body, "rigid", True) and len(getattr(body, "axes", ())) == (1 if self.system.dimension == 2 else 3)
+        if not rigid:
+            raise ValueError(f"{body!r}: expected a rigid body, or one of its markers")
+        return body.axes
+
+    @cached_property
+    def energy(self) -> Energy:
+        s = self.system
+        return Energy(s.kinetic(self.v), s.elastic(self.q), s.potential(self.q))
+
+    @cached_property
+    def audit(self) -> Audit:
+        return audit(self.system, self.trajectory)
+
+
+@dataclass(frozen=True)
+class Audit:
+    """What a run did to the quantities that should stay: largest values over all accepted steps.
+
+    position_drift   |g| as a length, relative to the scene's length
+    velocity_drift   |G v|, relative to the largest speed
+    energy_error     |energy - energy at the start - work of loads and dampers| [J]
+    energy_scale     the largest energy exchanged [J]
+    work             of loads and dampers over the run [J]
+    """
+
+    position_drift: float
+    velocity_drift: float
+    energy_error: float
+    energy_scale: float
+    work: float
+
+    def __str__(self) -> str:
+        relative = f" ({self.energy_error / self.energy_scale:.1e} of {self.energy_scale:.4g} J exchanged)" if self.energy_scale > 0.0 else ""
+        return (
+            f"joints: positions within {self.position_drift:.1e} of the length, velocities within {self.velocity_drift:.1e} of the speed\n"
+            f"energy: balanced within {self.energy_error:.1e} J{relative}; loads and dampers did {self.work:.6g} J of work"
+        )
+
+
+def audit(system: System, trajectory: Trajectory) -> Audit:
+    """The audit of a trajectory."""
+    q, v = trajectory.q, trajectory.v
+    joints, reach = system.joints.at(q), trajectory.linear.reach
+    speed = max(float(np.max(np.abs(v) * system.levers, initial=0.0)), 1e-300)
+    kinetic, elastic, potential = system.kinetic(v), system.elastic(q), system.potential(q)
+    balance = kinetic + elastic + potential - trajectory.work
+    exchanged = max(float(np.ptp(part)) for part in (kinetic, elastic, potential))
+    return Audit(
+        float(np.max(np.abs(joints.value) * reach, initial=0.0)) / system.length,
+        float(np.max(np.abs(joints.push(v)) * reach, initial=0.0)) / speed,
+        float(np.max(np.abs(balance - balance[0]))),
+        exchanged,
+        float(trajectory.work[-1]),
+    )
+
+
+def _marker(marker: Any) -> Marker:
+    if not isinstance(marker, Marker):
+        raise TypeError(f"expected a marker such as rod.end or body.at(x, y), found {marker!r}")
+    return marker
+
+
+def _frame(axes: Any, q: Array) -> Array:
+    if axes[0].dimension == 2:
+        return np.stack([axes[0].value(q), axes[0].scaled(1j).value(q)], axis=-1)
+    return np.stack([axis.value(q) for axis in axes], axis=-1)
+
+
+def load(path: str) -> Result:
+    raise NotImplementedError

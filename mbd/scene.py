@@ -1,0 +1,184 @@
+"""The door of the library: a scene collects descriptions, names them, checks them and builds the system."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import validate
+from .affine import Affine, Array
+from .errors import SceneError
+from .layout import Layout
+from .marker import Marker
+from .model import Model
+from .system import System
+
+
+class Scene:
+    """A mechanism under construction.
+
+    gravity  [d] [m/s^2]; two components make a planar scene, three a spatial one. Any consistent set of units works.
+
+    ``add`` takes a description (a cable, body, joint, spring, load) and returns the item in the scene, with its markers. Mistakes are
+    collected and raised together, as a SceneError, when the scene is first used.
+    """
+
+    def __init__(self, gravity: ArrayLike = (0.0, -9.81)):
+        self._complaints: list[str] = []
+        self.gravity = validate.floats(gravity)
+        good = isinstance(self.gravity, np.ndarray) and self.gravity.shape in ((2,), (3,)) and np.isfinite(self.gravity).all()
+        if not good:
+            self._complaints.append(f"scene: gravity: expected two (planar) or three (spatial) finite numbers, found {validate.show(self.gravity)}; correct it")
+            self.gravity = np.zeros(2)
+        self.dimension = int(self.gravity.size)
+        self.layout = Layout(self.dimension)
+        self.ground = Ground(self)
+        self.items: list[Any] = []
+        self._names: dict[str, Any] = {"ground": self.ground}
+        self._bad: set[str] = set()
+        self._built: tuple[int, System] | None = None
+
+    def __repr__(self) -> str:
+        return f"<{'planar' if self.dimension == 2 else 'spatial'} scene of {len(self.items)} items>"
+
+    def __getitem__(self, name: str) -> Any:
+        """The item of that name."""
+        if name not in self._names:
+            raise KeyError(f"no item named {name!r}; there are {', '.join(map(repr, self._names))}")
+        return self._names[name]
+
+    def add(self, description: Any) -> Any:
+        """The item that the description becomes in this scene. Names are given, or made from the kind and a number."""
+        name = self._name(description)
+        faults = self._faults(name, description)
+        self._complaints.extend(f"{description.kind} {name!r}: {line}" for line in faults)
+        item = Misfit(description, name, self) if faults or self._leans_on_misfit(description) else description.place(Site(self, name))
+        if isinstance(item, Misfit):
+            self._bad.add(name)
+        else:
+            self.items.append(item)
+        self._names[name] = item
+        self._built = None
+        return item
+
+    def _name(self, description: Any) -> str:
+        if not hasattr(description, "place"):
+            raise TypeError(f"scene.add takes descriptions such as mbd.AncfCable(...) or mbd.Pin(...), found {description!r}")
+        wanted = description.name
+        if wanted is not None and not (isinstance(wanted, str) and wanted):
+            self._complaints.append(f"{description.kind}: name: expected a text, found {wanted!r}; correct it")
+            wanted = None
+        if wanted is not None and wanted not in self._names:
+            return wanted
+        stem = wanted or description.kind
+        if wanted is not None:
+            self._complaints.append(f"{description.kind} {wanted!r}: name: expected one not used yet, found {wanted!r} a second time; rename one")
+        return next(name for k in itertools.count(1) if (name := f"{stem} {k}") not in self._names)
+
+    def _faults(self, name: str, description: Any) -> list[str]:
+        markers = getattr(description, "markers", None)
+        if markers is not None:
+            wrong = self._faulty_markers(markers)
+            if wrong or any(marker.item in self._bad for marker in markers):
+                return wrong
+        return list(description.faults(self.dimension))
+
+    def _faulty_markers(self, markers: tuple[Any, ...]) -> list[str]:
+        for marker in markers:
+            if not isinstance(marker, Marker):
+                return [f"marker: expected a marker such as rod.end or body.at(x, y), found {validate.show(marker)}; attach both ends"]
+            if marker.dimension != self.dimension:
+                return [f"marker: expected {self.dimension} components, found {marker.dimension} at {marker.item!r}; do not mix planar and spatial scenes"]
+            if marker.scene is not self:
+                return [f"marker: expected one of this scene, found one of {marker.item!r} in another scene; add that item here"]
+        if all(marker.fixed for marker in markers if marker.item not in self._bad):
+            return [f"marker: expected at least one on a moving item, found {', '.join(repr(m.item) for m in markers)}; attach it to a body or a cable"]
+        return []
+
+    def _leans_on_misfit(self, description: Any) -> bool:
+        return any(marker.item in self._bad for marker in getattr(description, "markers", ()))
+
+    def coordinates(self) -> list[str]:
+        """A name for each entry of q: the item and its coordinate, in order of ``add``."""
+        return [" ".join(owner) for owner in self.layout.owners()]
+
+    def build(self) -> System:
+        """The system of equations; the same object until something is added. Raises SceneError with every complaint."""
+        if self._built is None or self._built[0] != len(self.items):
+            self._built = (len(self.items), self._assemble())
+        return self._built[1]
+
+    def _assemble(self) -> System:
+        if self._complaints:
+            raise SceneError(self._complaints)
+        if self.layout.n == 0:
+            raise SceneError(["scene: expected at least one item with mass, found none; add a cable, a body or a particle"])
+        model = Model(self.layout, np.asarray(self.gravity), _extent(self.layout, self.items))
+        for item in self.items:
+            item.assemble(model)
+        if model.complaints:
+            raise SceneError(model.complaints)
+        return System(model)
+
+
+class Site:
+    """Where an item goes: its scene, its name, and the layout that gives it rows."""
+
+    def __init__(self, scene: Scene, name: str):
+        self.scene, self.name = scene, name
+
+    def rows(self, q: ArrayLike, v: ArrayLike, levers: ArrayLike, labels: list[str]) -> NDArray[np.intp]:
+        return self.scene.layout.rows(self.name, q, v, levers, labels)
+
+    def scalar(self, value: float, rate: float, label: str) -> int:
+        return self.scene.layout.scalar(self.name, value, rate, label)
+
+
+class Ground:
+    """The fixed frame."""
+
+    def __init__(self, scene: Scene):
+        self.scene, self.name = scene, "ground"
+
+    def at(self, *point: float) -> Marker:
+        """The marker at (x, y[, z]) [m], by default the origin; its axes are the inertial ones."""
+        d = self.scene.dimension
+        axes = tuple(Affine.fixed(axis) for axis in np.eye(d)[: 1 if d == 2 else 3])
+        return Marker(self.name, self.scene, Affine.fixed(point or np.zeros(d)), axes, rigid=True)
+
+
+class Misfit:
+    """Stands for an item that was refused, so that the rest of the scene can still be checked: its markers lead nowhere."""
+
+    def __init__(self, description: Any, name: str, scene: Scene):
+        self.description, self.name, self.scene = description, name, scene
+        self.length = 1.0
+
+    def at(self, *point: float) -> Marker:
+        d = self.scene.dimension
+        axes = tuple(Affine.fixed(axis) for axis in np.eye(d)[: 1 if d == 2 else 3])
+        return Marker(self.name, self.scene, Affine.fixed(np.zeros(d)), axes, rigid=True)
+
+    @property
+    def start(self) -> Marker:
+        return self.at()
+
+    @property
+    def end(self) -> Marker:
+        return self.at()
+
+
+def _extent(layout: Layout, items: list[Any]) -> float:
+    """The scene's length [m]: the diagonal of the box around all positions and attachment points, at least the largest lever."""
+    q, _ = layout.start()
+    table = q[: layout.dimension * layout.n_rows].reshape(-1, layout.dimension)
+    levers = layout.levers()[: table.size].reshape(-1, layout.dimension)[:, 0]
+    positions = [table[row] for row, label in enumerate(layout.row_labels()) if label.endswith(("position", "mass centre"))]
+    for item in items:
+        positions.extend(marker.point.value(q) for marker in getattr(item.description, "markers", ()))
+    box = np.ptp(np.array(positions), axis=0)
+    arms = [lever for lever, label in zip(levers, layout.row_labels()) if not label.endswith(("position", "mass centre"))]
+    return float(max(np.linalg.norm(box), max(arms, default=0.0))) or 1.0

@@ -1,0 +1,292 @@
+"""A scene as equations: gather -> kernels -> scatter.
+
+    M dv/dt = f(q, v, t) - B(q)' sigma - G(q)' lambda          balance
+    sigma   = C strain(q) + eta d(strain)/dt                   elastic measures, B = d(strain)/dq
+    0       = g(q, t)                                          joints, G = dg/dq
+
+M is constant, a matrix over the rows of the table times the identity of d; it may be semidefinite. C and eta are diagonal.
+Arrays have any leading axes (stages, time samples) before the coordinates: q, v [..., n], lambda [..., m], sigma [..., n_stresses].
+Tangents: K = d(M a - f + B' sigma + G' lambda)/dq, D = B' eta B, as values on constant patterns of rows and columns.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .affine import Array
+from .constraint import Quadratic
+from .model import Model, build
+from .scatter import Scatter
+from .turn import Turn
+
+DENSE_MASS = 96
+
+
+class System:
+    """The numeric system of a scene; ``n`` coordinates, ``m`` equations, ``n_stresses`` independent stresses."""
+
+    def __init__(self, model: Model):
+        self.dimension, self.n, self.length = model.dimension, model.n, model.length
+        self.q0, self.v0, self.levers, self.owners = model.q0, model.v0, model.levers, model.owners
+        self.weight = np.zeros(self.n)
+        self.weight[: model.weights.size] = model.weights.ravel()
+        self.dead = model.dead_forces
+        self.constant_force = self.weight + self.dead
+        self._compile_mass(model)
+        self.joints = Joints(model)
+        self.m = self.joints.m
+        self.measures = build(model.strains)
+        sizes = [kernel.modulus.size for kernel in self.measures]
+        self.ends = np.concatenate(([0], np.cumsum(sizes, dtype=int)))
+        self.n_stresses = int(self.ends[-1])
+        self.modulus = np.concatenate([kernel.modulus.ravel() for kernel in self.measures] or [np.zeros(0)])
+        viscosity = np.concatenate([kernel.viscosity.ravel() for kernel in self.measures] or [np.zeros(0)])
+        self.viscosity: Array | None = viscosity if viscosity.any() else None
+        local = [kernel.dofs.ravel() for kernel in self.measures] or [np.zeros(0, np.intp)]
+        self.scatter = Scatter(np.concatenate(local), self.n)
+        self.loads = build(model.loads)
+        self.load_scatters = [Scatter(kernel.dofs, self.n) for kernel in self.loads]
+        self.steady = all(signal.function is None for kernel in self.loads for signal in kernel.signals)
+        self._compile_tangent()
+
+    def _compile_mass(self, model: Model) -> None:
+        k = model.n_rows
+        keys = [(rows[:, :, None] * k + rows[:, None, :]).ravel() for rows, _ in model.masses]
+        blocks = [blocks.ravel() for _, blocks in model.masses]
+        keys_all = np.concatenate(keys or [np.zeros(0, np.intp)])
+        distinct, slot = np.unique(keys_all, return_inverse=True)
+        values = np.bincount(slot, np.concatenate(blocks or [np.zeros(0)]), minlength=distinct.size)
+        rows, cols = distinct[values != 0.0] // max(k, 1), distinct[values != 0.0] % max(k, 1)
+        values = values[values != 0.0]
+        d, axes = self.dimension, np.arange(self.dimension)
+        self.mass_rows = (d * rows[:, None] + axes).ravel()
+        self.mass_cols = (d * cols[:, None] + axes).ravel()
+        self.mass_values = np.repeat(values, d)
+        self.n_table = d * k
+        self._dense_mass: Array | None = None
+        if k <= DENSE_MASS:
+            self._dense_mass = np.zeros((k, k))
+            self._dense_mass[rows, cols] = values
+        self._mass_scatter = Scatter(self.mass_rows, self.n)
+
+    def mass(self, x: Array) -> Array:
+        """M x [..., n]."""
+        if self._dense_mass is None:
+            return self._mass_scatter(self.mass_values * x[..., self.mass_cols])
+        table = x[..., : self.n_table].reshape(*x.shape[:-1], -1, self.dimension)
+        out = (self._dense_mass @ table).reshape(*x.shape[:-1], -1)
+        if self.n > self.n_table:
+            return np.concatenate((out, np.zeros((*x.shape[:-1], self.n - self.n_table))), axis=-1)
+        return out
+
+    def _compile_tangent(self) -> None:
+        def pairs(dofs: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+            k = dofs.shape[1]
+            return np.repeat(dofs, k, axis=1).ravel() % self.n, np.tile(dofs, (1, k)).ravel() % self.n
+
+        self._moving_loads = [i for i, kernel in enumerate(self.loads) if not kernel.constant_in_q]
+        strains = [pairs(kernel.dofs) for kernel in self.measures]
+        loads = [pairs(self.loads[i].dofs) for i in self._moving_loads]
+        curves = [(self.joints.curvature_rows, self.joints.curvature_cols)]
+        empty = [(np.zeros(0, np.intp), np.zeros(0, np.intp))]
+        self.damping_rows, self.damping_cols = (np.concatenate(part) for part in zip(*(strains or empty)))
+        self.stiffness_rows, self.stiffness_cols = (np.concatenate(part) for part in zip(*(strains + curves + loads)))
+
+    def strains(self, q: Array) -> Strains:
+        return Strains(self, q)
+
+    def inputs(self, t: Array | float) -> list[Array]:
+        """What loads are given as functions of time, at times t [...]: sampled once for a step, whatever the iterations."""
+        times = np.asarray(t, dtype=float)
+        if self.steady:
+            times = np.zeros(())
+        return [kernel.inputs(times) for kernel in self.loads]
+
+    def load(self, q: Array, inputs: list[Array]) -> Array:
+        """Weight, forces and torques [..., n]."""
+        total = np.broadcast_to(self.constant_force, q.shape)
+        for kernel, scatter, values in zip(self.loads, self.load_scatters, inputs):
+            local = kernel.force(q, values)
+            local = np.broadcast_to(local, (*q.shape[:-1], *local.shape[-2:]))
+            total = total + scatter(local.reshape(*q.shape[:-1], -1))
+        return total
+
+    def stress(self, strains: Strains, v: Array) -> Array:
+        """C strain + eta d(strain)/dt [..., n_stresses]."""
+        stress = self.modulus * strains.value
+        return stress if self.viscosity is None else stress + self.viscosity * strains.push(v)
+
+    def force(self, q: Array, v: Array, inputs: list[Array]) -> Array:
+        """f - B' sigma [..., n]: everything but the joints."""
+        total = self.load(q, inputs)
+        if self.measures:
+            at = self.strains(q)
+            total = total - at.pull(self.stress(at, v))
+        return total
+
+    def stiffness(self, q: Array, v: Array, inputs: list[Array], stress: Array, multipliers: Array) -> Array:
+        """Values of K on (stiffness_rows, stiffness_cols) at one configuration q [n]."""
+        parts = []
+        if self.measures:
+            parts.append(self.strains(q).stiffness(stress, self.modulus, None if self.viscosity is None else v))
+        parts.append(self.joints.at(q).curvature(multipliers))
+        for i in self._moving_loads:
+            parts.append(-self.loads[i].gradient(q, inputs[i]).ravel())
+        return np.concatenate(parts)
+
+    def damping(self, q: Array) -> Array:
+        """Values of D on (damping_rows, damping_cols) at one configuration; only asked of scenes with viscosity."""
+        assert self.viscosity is not None
+        return self.strains(q).stiffness(np.zeros(self.n_stresses), self.viscosity, None)
+
+    def kinetic(self, v: Array) -> Array:
+        return 0.5 * np.sum(v * self.mass(v), axis=-1)
+
+    def elastic(self, q: Array) -> Array:
+        return sum((kernel.at(q).energy() for kernel in self.measures), np.zeros(q.shape[:-1]))
+
+    def potential(self, q: Array) -> Array:
+        """Of gravity, zero at the origin."""
+        return -(q @ self.weight)
+
+    @property
+    def exchanges(self) -> bool:
+        """Whether loads or dampers do work that no potential knows."""
+        return bool(self.loads) or self.viscosity is not None or bool(self.dead.any())
+
+    def power(self, q: Array, v: Array, inputs: list[Array]) -> Array:
+        """[...] of loads and dampers [W]; gravity and elastic forces are in the energy."""
+        total = np.sum((self.load(q, inputs) - self.weight) * v, axis=-1)
+        if self.viscosity is not None:
+            total = total - np.sum(self.viscosity * self.strains(q).push(v) ** 2, axis=-1)
+        return total
+
+    def label(self, row: int) -> str:
+        """The item behind an equation."""
+        return self.joints.labels[row][0]
+
+    def coordinate(self, index: int) -> str:
+        """The item and coordinate behind an entry of q."""
+        return " ".join(self.owners[index])
+
+
+class Strains:
+    """All elastic measures at configurations [...]."""
+
+    def __init__(self, system: System, q: Array):
+        self.system = system
+        self.parts = [kernel.at(q) for kernel in system.measures]
+        self.batch = q.shape[:-1]
+
+    def _join(self, parts: list[Array], batch: tuple[int, ...]) -> Array:
+        if len(parts) == 1:
+            return parts[0].reshape(*batch, -1)
+        return np.concatenate([part.reshape(*batch, -1) for part in parts], axis=-1)
+
+    def _split(self, stress: Array) -> list[Array]:
+        ends = self.system.ends
+        return [
+            stress[..., ends[i] : ends[i + 1]].reshape(*stress.shape[:-1], *kernel.modulus.shape)
+            for i, kernel in enumerate(self.system.measures)
+        ]
+
+    @property
+    def value(self) -> Array:
+        return self._join([part.value for part in self.parts], self.batch)
+
+    def pull(self, stress: Array) -> Array:
+        """B' sigma [..., n]."""
+        local = [part.pull(s) for part, s in zip(self.parts, self._split(stress))]
+        return self.system.scatter(self._join(local, local[0].shape[:-2]))
+
+    def push(self, change: Array) -> Array:
+        """B dq [..., n_stresses]."""
+        local = [part.push(change) for part in self.parts]
+        return self._join(local, local[0].shape[:-2])
+
+    def stiffness(self, stress: Array, modulus: Array, v: Array | None) -> Array:
+        """Values of B' diag(modulus) B + sigma . d2(strain)/dq2, and with a velocity B' eta d(B v)/dq."""
+        out = []
+        eta = [None] * len(self.parts) if v is None else self._split(self.system.viscosity)  # type: ignore[arg-type]
+        for part, s, c, viscosity in zip(self.parts, self._split(stress), self._split(modulus), eta):
+            matrix: Any = part.stiffness(s, c)
+            if viscosity is not None:
+                assert v is not None
+                columns = np.moveaxis(viscosity[..., None] * part.swirl(v), -1, 0)
+                matrix = matrix + np.moveaxis(part.pull(columns), 0, -1)
+            out.append(matrix.ravel())
+        return np.concatenate(out)
+
+    def swirl_times(self, v: Array, change: Array) -> Array:
+        """d(B v)/dq dq [..., n_stresses]."""
+        parts = [(part.swirl(v) @ change[..., kernel.dofs][..., None])[..., 0] for part, kernel in zip(self.parts, self.system.measures)]
+        return self._join(parts, parts[0].shape[:-2])
+
+
+class Joints:
+    """All equations of a scene: the quadratic rows, then the turning angles."""
+
+    def __init__(self, model: Model):
+        self.kernels: list[Quadratic | Turn] = []
+        self.labels = [(item, label) for item, label, _ in model.equations] + [(item, "turn") for item, _ in model.turns]
+        if model.equations:
+            self.kernels.append(Quadratic([row for *_, row in model.equations], model.n))
+        if model.turns:
+            self.kernels.append(Turn([turn for _, turn in model.turns], model.n))
+        first = np.concatenate(([0], np.cumsum([kernel.m for kernel in self.kernels], dtype=int)))
+        self.m, self.n = int(first[-1]), model.n
+        self.spans = [slice(int(a), int(b)) for a, b in zip(first[:-1], first[1:])]
+        empty = [np.zeros(0, np.intp)]
+        self.rows = np.concatenate([kernel.rows + a for kernel, a in zip(self.kernels, first)] or empty)
+        self.cols = np.concatenate([kernel.cols for kernel in self.kernels] or empty)
+        self.curvature_rows = np.concatenate([kernel.curvature_rows for kernel in self.kernels] or empty)
+        self.curvature_cols = np.concatenate([kernel.curvature_cols for kernel in self.kernels] or empty)
+        self.linear = all(kernel.linear for kernel in self.kernels)
+        self.to_rows, self.to_cols = Scatter(self.rows, self.m), Scatter(self.cols, model.n)
+
+    def at(self, q: Array) -> JointsAt:
+        return JointsAt(self, q)
+
+
+class JointsAt:
+    """All equations at configurations [...]."""
+
+    def __init__(self, joints: Joints, q: Array):
+        self.joints, self.batch = joints, q.shape[:-1]
+        self.states = [kernel.prepare(q) for kernel in joints.kernels]
+        self.gradient = self._join([kernel.gradient(z) for kernel, z in zip(joints.kernels, self.states)])
+
+    def _join(self, parts: list[Array]) -> Array:
+        if len(parts) == 1:
+            return parts[0]
+        return np.concatenate(parts, axis=-1) if parts else np.zeros((*self.batch, 0))
+
+    @property
+    def value(self) -> Array:
+        """g [..., m]."""
+        return self._join([kernel.value(z) for kernel, z in zip(self.joints.kernels, self.states)])
+
+    def pull(self, multipliers: Array) -> Array:
+        """G' lambda [..., n]."""
+        return self.joints.to_cols(self.gradient * multipliers[..., self.joints.rows])
+
+    def push(self, v: Array) -> Array:
+        """G v [..., m]."""
+        return self.joints.to_rows(self.gradient * v[..., self.joints.cols])
+
+    def swirl(self, v: Array) -> Array:
+        """Values of d(G v)/dq on the pattern of G."""
+        return self._join([kernel.swirl(z, v) for kernel, z in zip(self.joints.kernels, self.states)])  # type: ignore[arg-type]
+
+    def bias(self, v: Array) -> Array:
+        """v' d2g/dq2 v [..., m]: minus what G a must be."""
+        return self._join([kernel.bias(z, v) for kernel, z in zip(self.joints.kernels, self.states)])  # type: ignore[arg-type]
+
+    def curvature(self, multipliers: Array) -> Array:
+        """Values of d(G' lambda)/dq on (curvature_rows, curvature_cols)."""
+        spans = self.joints.spans
+        parts = [kernel.curvature(z, multipliers[..., span]) for kernel, z, span in zip(self.joints.kernels, self.states, spans)]  # type: ignore[arg-type]
+        return self._join(parts)

@@ -1,0 +1,83 @@
+"""Turning angles as coordinates: phi follows the angle from axis b to axis a, turns counted.
+
+    g = sin(phi) C - cos(phi) S = 0,   C = a . b,  S = b x a        (g = |a| |b| sin(phi - angle))
+
+C and S are quadratic rows themselves; phi is a coordinate without mass, so that the kernels keep no state and a spring, a motor or a
+gear sees an angle that grows over many turns. Planar.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .affine import Affine, Array
+from .constraint import Quadratic
+from .rows import cross, dot
+from .scatter import Scatter
+
+
+class _Posture(NamedTuple):
+    sine: Array
+    cosine: Array
+    aligned: Array  # C and S [..., 2 m]
+    gradient: Array  # of C and S
+    z: Array
+
+
+class Turn:
+    """The rows [m] of all turning angles: pairs (a, b) of axes and the index of phi."""
+
+    def __init__(self, turns: Sequence[tuple[Affine, Affine, int]], n: int):
+        self.m = len(turns)
+        self.inner = Quadratic([dot(a, b) for a, b, _ in turns] + [cross(b, a) for a, b, _ in turns], n)
+        self.phi = np.array([phi for *_, phi in turns], dtype=np.intp) % n
+        self.owner = self.inner.rows % self.m
+        self.rows = np.concatenate((self.owner, np.arange(self.m)))
+        self.cols = np.concatenate((self.inner.cols, self.phi))
+        self._sum = Scatter(self.owner, self.m)
+        inner, phi = self.inner, self.phi
+        self.curvature_rows = np.concatenate((inner.curvature_rows, inner.cols, phi[self.owner], phi))
+        self.curvature_cols = np.concatenate((inner.curvature_cols, phi[self.owner], inner.cols, phi))
+        self.linear = False
+
+    def prepare(self, q: Array) -> _Posture:
+        z, phi = self.inner.prepare(q), q[..., self.phi]
+        return _Posture(np.sin(phi), np.cos(phi), self.inner.value(z), self.inner.gradient(z), z)
+
+    def _mix(self, p: _Posture, values: Array, owner: NDArray[np.intp]) -> Array:
+        """sin(phi) times what belongs to C, -cos(phi) times what belongs to S."""
+        return np.concatenate((p.sine, -p.cosine), axis=-1)[..., owner] * values
+
+    def _mix_rate(self, p: _Posture, values: Array, owner: NDArray[np.intp]) -> Array:
+        """The derivative of the mixture with respect to phi."""
+        return np.concatenate((p.cosine, p.sine), axis=-1)[..., owner] * values
+
+    def value(self, p: _Posture) -> Array:
+        return p.sine * p.aligned[..., : self.m] - p.cosine * p.aligned[..., self.m :]
+
+    def _slope(self, p: _Posture) -> Array:
+        return p.cosine * p.aligned[..., : self.m] + p.sine * p.aligned[..., self.m :]
+
+    def gradient(self, p: _Posture) -> Array:
+        return np.concatenate((self._mix(p, p.gradient, self.inner.rows), self._slope(p)), axis=-1)
+
+    def swirl(self, p: _Posture, v: Array) -> Array:
+        turning = v[..., self.phi]
+        cross_term = self._mix_rate(p, p.gradient, self.inner.rows)
+        along = self._mix(p, self.inner.swirl(p.z, v), self.inner.rows) + turning[..., self.owner] * cross_term
+        return np.concatenate((along, self._sum(cross_term * v[..., self.inner.cols]) - turning * self.value(p)), axis=-1)
+
+    def bias(self, p: _Posture, v: Array) -> Array:
+        turning, inner = v[..., self.phi], self.inner.bias(p.z, v)
+        mixed = p.sine * inner[..., : self.m] - p.cosine * inner[..., self.m :]
+        cross_term = self._sum(self._mix_rate(p, p.gradient, self.inner.rows) * v[..., self.inner.cols])
+        return mixed + 2.0 * turning * cross_term - turning**2 * self.value(p)
+
+    def curvature(self, p: _Posture, multipliers: Array) -> Array:
+        weights = np.concatenate((p.sine * multipliers, -p.cosine * multipliers), axis=-1)
+        cross_term = self._mix_rate(p, p.gradient, self.inner.rows) * multipliers[..., self.owner]
+        return np.concatenate((self.inner.curvature(p.z, weights), cross_term, cross_term, -multipliers * self.value(p)), axis=-1)

@@ -1,0 +1,120 @@
+"""Radau IIA collocation with s stages: order 2 s - 1, stiffly accurate.
+
+Nodes are the zeros of P_s(x) - P_(s-1)(x) on [0, 1]. Everything follows from the Lagrange polynomials through the nodes, in extended
+precision (a Vandermonde system would leave 1e-13 for 7 stages); their algebra is asserted. Hairer and Wanner (1996), Solving
+Ordinary Differential Equations II, IV.5 and IV.8.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+Wide = NDArray[np.longdouble]
+Array = NDArray[np.float64]
+
+
+def radau_nodes(stages: int) -> Wide:
+    """c [s] in (0, 1], the last is 1."""
+    series = np.zeros(stages + 1, dtype=np.longdouble)
+    series[stages], series[stages - 1] = 1, -1
+    x = np.sort(legendre.legroots(series.astype(float)).real).astype(np.longdouble)
+    slope = legendre.legder(series)
+    for _ in range(4):
+        x = x - legendre.legval(x, series) / legendre.legval(x, slope)
+    x[-1] = 1
+    return (x + 1) / 2
+
+
+def lagrange(nodes: NDArray, points: NDArray) -> NDArray:
+    """[points, nodes]: values of the Lagrange polynomials."""
+    out = np.ones((len(points), len(nodes)), dtype=nodes.dtype)
+    for j, node in enumerate(nodes):
+        for k, other in enumerate(nodes):
+            if k != j:
+                out[:, j] *= (points - other) / (node - other)
+    return out
+
+
+def differentiation(nodes: NDArray) -> NDArray:
+    """D [nodes, nodes]: derivatives of the Lagrange polynomials at the nodes (barycentric; Berrut and Trefethen 2004, eq. 9.4)."""
+    weights = np.array([1 / np.prod([node - other for other in nodes if other != node]) for node in nodes], dtype=nodes.dtype)
+    d = np.zeros((len(nodes), len(nodes)), dtype=nodes.dtype)
+    for i, node in enumerate(nodes):
+        for j, other in enumerate(nodes):
+            if i != j:
+                d[i, j] = weights[j] / weights[i] / (node - other)
+        d[i, i] = -d[i].sum()
+    return d
+
+
+def _quadrature(nodes: Wide) -> Wide:
+    """A [s, s] = int_0^c_i l_j."""
+    x, w = legendre.leggauss(len(nodes))
+    x = x.astype(np.longdouble)
+    series = np.zeros(len(nodes) + 1, dtype=np.longdouble)
+    series[-1] = 1
+    slope = legendre.legder(series)
+    for _ in range(3):
+        x = x - legendre.legval(x, series) / legendre.legval(x, slope)
+    w = 2 / ((1 - x**2) * legendre.legval(x, slope) ** 2)
+    return np.array([(w * c / 2) @ lagrange(nodes, (x + 1) * c / 2) for c in nodes])
+
+
+class Tableau:
+    """Coefficients of the s-stage method, in double precision.
+
+    c [s] nodes, a [s, s], inverse = a^-1, start [s]: derivative at 0 of the polynomial through 0 and the stages, gamma: the real
+    eigenvalue of a^-1, and ``eigenvalues`` [p] (gamma, if s is odd, then one of each complex pair) with rows ``into`` [p, s] and columns
+    ``back`` [s, p] such that x = real(back @ (into @ x)) and real(back @ diag(eigenvalues) @ into) = a^-1.
+    """
+
+    def __init__(self, stages: int):
+        self.stages, self.order = stages, 2 * stages - 1
+        nodes = radau_nodes(stages)
+        a = _quadrature(nodes)
+        derivative = differentiation(np.concatenate((np.zeros(1, dtype=np.longdouble), nodes)))
+        self._assert_algebra(nodes, a, derivative[1:, 1:])
+        self.c, self.a, self.b = nodes.astype(float), a.astype(float), a[-1].astype(float)
+        self.inverse, self.start = derivative[1:, 1:].astype(float), derivative[0, 1:].astype(float)
+        self._nodes = nodes
+        self._split()
+
+    def _assert_algebra(self, c: Wide, a: Wide, inverse: Wide) -> None:
+        s = self.stages
+        powers = np.arange(1, s + 1)
+        assert np.abs(a @ c[:, None] ** (powers - 1) - c[:, None] ** powers / powers).max() < 1e-16, "collocation C(s)"
+        assert np.abs([a[-1] @ c ** (k - 1) - np.longdouble(1) / k for k in range(1, 2 * s)]).max() < 1e-16, "quadrature B(2s-1)"
+        assert np.abs(inverse @ a - np.eye(s)).max() < 1e-14, "inverse"
+
+    def _split(self) -> None:
+        values, vectors = np.linalg.eig(self.inverse)
+        into = np.linalg.inv(vectors)
+        keep = np.flatnonzero(values.imag > -1e-9 * np.abs(values))
+        keep = keep[np.argsort(values[keep].imag, kind="stable")]
+        double = np.where(np.abs(values[keep].imag) > 1e-9, 2.0, 1.0)
+        self.eigenvalues, self.into, self.back = values[keep], into[keep], vectors[:, keep] * double
+        self.real = int(double[0] == 1.0)
+        self.gamma = float(values[keep][0].real) if self.real else float("nan")
+        assert np.abs((self.back @ self.into).real - np.eye(self.stages)).max() < 1e-8, "eigenvectors"
+        self.into_real, self.back_real = self.into[: self.real].real.copy(), self.back[:, : self.real].real.copy()
+        # A real eigenvalue's eigenvector may come with a complex factor: make both sides real.
+        if self.real:
+            phase = self.back[np.argmax(np.abs(self.back[:, 0])), 0]
+            self.back_real = (self.back[:, :1] / phase).real
+            self.into_real = (self.into[:1] * phase).real
+        self.into_complex, self.back_complex = self.into[self.real :].copy(), self.back[:, self.real :].copy()
+
+    def extend(self, at: Array, *, with_start: bool) -> Array:
+        """[points, s (+ 1)]: the stage polynomial (with its value at 0 first) evaluated at fractions of the step, also beyond 1."""
+        nodes = np.concatenate((np.zeros(1), self.c)) if with_start else self.c
+        return lagrange(nodes, np.asarray(at, dtype=float))
+
+
+@cache
+def tableau(stages: int) -> Tableau:
+    """The s-stage Radau IIA method, made once."""
+    return Tableau(stages)

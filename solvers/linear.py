@@ -1,0 +1,147 @@
+"""The one linear system of all solvers, the KKT matrix
+
+    [ cM M + cD D + cK K    G' ] [ x ]   [ top    ]
+    [ G                     0  ] [ y ] = [ bottom ]
+
+in scaled unknowns: coordinates by the root of their mass, equations by the size of their row in these units, multipliers by |cM|, so
+that pivots are chosen among comparable numbers whatever the units. A reciprocal condition number is estimated after every
+factorisation. With redundant joints the lower right block is -softening (tiny): the multipliers of least norm among all equal ones;
+Newton's iterations and ``refined`` remove its trace from the solution.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .formats import Format, Singular, Solve, cheapest
+from .ordering import half_bandwidth, reverse_cuthill_mckee
+from .system import Array, Index, System
+
+SINGULAR = 1e-15
+SOFTENING = 1e-10
+
+
+class Tangent(NamedTuple):
+    """Assembled buffers at one configuration: K, D (None: no damping), G with G'."""
+
+    stiffness: Array | None
+    damping: Array | None
+    gradient: Array
+
+
+class Linear:
+    """Patterns, scales and the format of a system's KKT matrices, prepared once.
+
+    ``reach`` [m] turns a residual of an equation into a length: how far its most effective coordinate would have to move.
+    """
+
+    def __init__(self, system: System, q: Array):
+        n, m = system.n, system.m
+        self.n, self.size = n, n + m
+        joints = system.joints
+        top, left = joints.rows + n, joints.cols
+        corner = n + np.arange(m)
+        rows = np.concatenate((system.mass_rows, system.stiffness_rows, top, left, corner))
+        cols = np.concatenate((system.mass_cols, system.stiffness_cols, left, top, corner))
+        order = reverse_cuthill_mckee(rows, cols, self.size)
+        self.format: Format = cheapest(self.size, half_bandwidth(rows, cols, order), rows, cols)
+        self.order = order if self.format.name == "band" else np.arange(self.size)
+        self.place = np.argsort(self.order)
+        self.scale = self._scales(system, q)
+        self.softened = False
+        self.factorizations = 0
+        self._mass_slots, self._mass_scale = self._slots(system.mass_rows, system.mass_cols)
+        self._stiffness_slots, self._stiffness_scale = self._slots(system.stiffness_rows, system.stiffness_cols)
+        self._gradient_slots, self._gradient_scale = self._slots(top, left)
+        self._turned_slots, _ = self._slots(left, top)
+        self._corner = self._slots(corner, corner)[0]
+        self._damping_slots, self._damping_scale = self._slots(system.damping_rows, system.damping_cols)
+        self.mass = self._fill(self._mass_slots, self._mass_scale * system.mass_values)
+
+    def _scales(self, system: System, q: Array) -> Array:
+        """[n + m]: what a unit of each scaled unknown is in the user's units."""
+        diagonal = np.zeros(self.n)
+        own = system.mass_rows == system.mass_cols
+        diagonal[system.mass_rows[own]] = system.mass_values[own]
+        levers = np.where(system.levers > 0.0, system.levers, system.length)
+        typical = diagonal.sum() / np.sum(levers[diagonal > 0.0] ** 2) if diagonal.any() else 1.0
+        coordinates = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, typical * levers**2))
+        gradient = system.joints.at(q).gradient
+        size = np.bincount(system.joints.rows, (gradient * coordinates[system.joints.cols]) ** 2, minlength=system.m)
+        equations = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
+        effect = np.zeros(system.m)
+        np.maximum.at(effect, system.joints.rows, np.abs(gradient) / levers[system.joints.cols])
+        self.reach = 1.0 / np.where(effect > 0.0, effect, 1.0)
+        return np.concatenate((coordinates, equations))
+
+    def _slots(self, rows: Index, cols: Index) -> tuple[Index, Array]:
+        return self.format.slot(self.place[rows], self.place[cols]), self.scale[rows] * self.scale[cols]
+
+    def _fill(self, slots: Index, values: Array) -> Array:
+        return np.bincount(slots, values, minlength=self.format.slots)
+
+    def tangent(self, gradient: Array, stiffness: Array | None = None, damping: Array | None = None) -> Tangent:
+        """Buffers from the system's values of G, K and D at one configuration."""
+        g = self._gradient_scale * gradient
+        return Tangent(
+            None if stiffness is None else self._fill(self._stiffness_slots, self._stiffness_scale * stiffness),
+            None if damping is None else self._fill(self._damping_slots, self._damping_scale * damping),
+            np.bincount(np.concatenate((self._gradient_slots, self._turned_slots)), np.concatenate((g, g)), minlength=self.format.slots),
+        )
+
+    def factor(self, tangent: Tangent, c_mass: complex = 1.0, c_damping: complex = 0.0, c_stiffness: float = 0.0) -> Factor:
+        """The factorised KKT matrix; raises Singular."""
+        size = abs(c_mass)
+        buffer = c_mass * self.mass + size * tangent.gradient
+        if c_stiffness and tangent.stiffness is not None:
+            buffer += c_stiffness * tangent.stiffness
+        if c_damping and tangent.damping is not None:
+            buffer += c_damping * tangent.damping
+        if self.softened:
+            buffer[self._corner] -= SOFTENING * size
+        norm = self.format.norm(buffer)
+        self.factorizations += 1
+        solve, solve_transposed = self.format.factor(buffer)
+        factor = Factor(self, solve, size)
+        rcond = _reciprocal_condition(self.size, norm, solve, solve_transposed)
+        if not rcond > SINGULAR:
+            raise Singular(f"reciprocal condition {rcond:.1e}")
+        factor.rcond = rcond
+        return factor
+
+    def soften(self) -> None:
+        """From now on, redundant equations are allowed."""
+        self.softened = True
+
+
+class Factor:
+    """A factorised KKT matrix."""
+
+    def __init__(self, linear: Linear, solve: Solve, size: float):
+        self.linear, self._solve, self.rcond = linear, solve, 0.0
+        order, n = linear.order, linear.n
+        scale = linear.scale.copy()
+        scale[n:] *= size
+        self.into, self.out = scale[order], scale
+        self.order, self.place, self.n = order, linear.place, n
+
+    def solve(self, top: Array, bottom: Array) -> tuple[Array, Array]:
+        """x [..., n], y [..., m] from right sides top [..., n], bottom [..., m]."""
+        right = np.concatenate((top, bottom), axis=-1)[..., self.order] * self.into
+        flat = right.reshape(-1, right.shape[-1])
+        x = self._solve(flat.T if len(flat) > 1 else flat[0])
+        x = (x.T.reshape(right.shape))[..., self.place] * self.out
+        return x[..., : self.n], x[..., self.n :]
+
+
+def _reciprocal_condition(size: int, norm: float, solve: Solve, solve_transposed: Solve) -> float:
+    """1 / (|A| |A^-1|) in the 1-norm, |A^-1| estimated from below by one sweep of Hager (1984), SIAM J. Sci. Stat. Comput. 5."""
+    k = np.arange(size)
+    x = solve((1.0 - 2.0 * (k % 2)) * (1.0 + k / max(size - 1, 1)) / (1.5 * size))
+    magnitude = np.abs(x)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        signs = np.where(magnitude > 0.0, np.conj(x) / magnitude, 1.0)
+    inverse = max(float(np.max(np.abs(solve_transposed(signs)), initial=0.0)), float(magnitude.sum()))
+    return 1.0 / (norm * inverse) if norm * inverse > 0.0 and np.isfinite(inverse) else 0.0

@@ -1,0 +1,56 @@
+"""What integrators and the time loop say to each other.
+
+An integrator's ``step`` is pure: state in, attempt out. Rejecting, retrying, halving and restarting need no code in it.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Protocol
+
+from .linear import Linear
+from .system import Array, System
+
+
+class State(NamedTuple):
+    """Where a run is: time, q [n], v [n], multipliers [m], stresses [n_stresses], and what the integrator remembers of the last step."""
+
+    t: float
+    q: Array
+    v: Array
+    multipliers: Array
+    stress: Array
+    memory: Any = None
+
+
+class Attempt(NamedTuple):
+    """The outcome of one step.
+
+    state        at the end, or None where the iteration failed
+    error        estimated local error over tolerance (accept below 1; 0 for methods of fixed step)
+    order        the power of h that the error follows
+    rate         Newton's contraction: the largest ratio of successive changes
+    solves       Newton iterations spent
+    failure      what went wrong, or ""
+    worst        the equation with the largest residual (index into rows), or the coordinate n + ... is not meant: -1 for none
+    nodes        times [s], q [s, n], v [s, n] and weights [s] of the step's own quadrature
+    """
+
+    state: State | None
+    error: float
+    order: float
+    rate: float
+    solves: int
+    failure: str = ""
+    worst: int = -1
+    nodes: tuple[Array, Array, Array, Array] | None = None
+
+
+class Integrator(Protocol):
+    """A method of integration; ``fixed`` is its step where the user gave one."""
+
+    name: str
+    fixed: float | None
+
+    def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt: ...
+    def first_step(self, system: System, state: State, acceleration: Array, span: float, tolerance: float) -> float: ...
+    def inside(self, system: System, linear: Linear, before: State, after: State, t: Array) -> tuple[Array, Array]: ...

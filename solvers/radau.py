@@ -1,0 +1,169 @@
+"""Radau IIA with error control: predicts the stages, iterates them, estimates the error, projects the end.
+
+The stage equations are in ``stages.py``, the coefficients in ``coefficients.py``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .coefficients import lagrange, tableau
+from .formats import Singular
+from .linear import Linear
+from .protocol import Attempt, State
+from .stages import Linearised, Middle, StageEquations, Stages
+from .start import Inconsistent, mass_factor, project_positions, project_velocities
+from .system import Array, System
+
+NEWTON = 0.01
+"""Newton stops where its error is below this share of the tolerance."""
+
+SLOW = 0.4
+"""A contraction slower than this renews the derivatives in the middle of the iteration."""
+
+
+@dataclass(frozen=True)
+class Radau:
+    """Radau IIA of order 2 stages - 1 on the stabilised index-2 equations; the default.
+
+    stages   3, 5 or 7; None: by the tolerance
+    step     a fixed step [s]; None: steps by error control
+    """
+
+    stages: int | None = None
+    step: float | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        if self.stages not in (None, 3, 5, 7):
+            raise ValueError(f"Radau(stages={self.stages!r}): expected 3, 5, 7 or None")
+        if self.step is not None and not (np.isfinite(self.step) and self.step > 0.0):
+            raise ValueError(f"Radau(step={self.step!r}): expected a positive number of seconds or None")
+
+    def integrator(self, rtol: float) -> RadauIIA:
+        """The method for a tolerance."""
+        stages = self.stages or (3 if rtol > 3e-4 else 5 if rtol > 3e-8 else 7)
+        return RadauIIA(stages, self.step)
+
+
+class Memory(NamedTuple):
+    """What the last step leaves to predict the next: its length, start, and stages."""
+
+    h: float
+    q0: Array
+    v0: Array
+    stress0: Array
+    stages: Stages
+    count: int
+
+
+class RadauIIA:
+    """The s-stage method. ``fixed`` is its step, or None."""
+
+    def __init__(self, stages: int, fixed: float | None = None):
+        self.table, self.fixed = tableau(stages), fixed
+        self.name = f"Radau IIA, {stages} stages (order {self.table.order})"
+        self.iterations = 8 + stages
+
+    def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:
+        """One step of length h; ``tolerance`` is a length: the local error allowed in positions."""
+        table = self.table
+        guess, middle = self._predict(system, state, h)
+        inputs = system.inputs(state.t + table.c * h)
+        equations = StageEquations(system, table, h, state.q, state.v, inputs)
+        try:
+            found = self._iterate(equations, linear, guess, middle, tolerance, system.inputs(state.t + 0.5 * h))
+            if isinstance(found, Attempt):
+                return found
+            x, at, rate, solves = found
+            error = self._error(equations, linear, state, x, at, tolerance)
+            q, v = state.q + x.dq[-1], x.v[-1]
+            if at.mass_factor is not None:
+                q = project_positions(system, linear, q, factor=at.mass_factor, sweeps=8)
+                v = project_velocities(system, at.mass_factor, q, v)
+        except (Singular, Inconsistent) as trouble:
+            return Attempt(None, np.inf, 1.0, 1.0, 0, f"singular equations ({trouble})")
+        memory = Memory(h, state.q, state.v, state.stress, x, table.stages)
+        nodes = (state.t + table.c * h, state.q + x.dq, x.v, table.b * h)
+        after = State(state.t + h, q, v, x.multipliers[-1], x.stress[-1], memory)
+        return Attempt(after, error, table.stages + 1.0, rate, solves, nodes=nodes)
+
+    def _predict(self, system: System, state: State, h: float) -> tuple[Stages, Middle]:
+        """Stages and middle by the polynomials of the last step; from a start, by constant velocity and stress."""
+        c = self.table.c
+        s, m = c.size, system.m
+        if state.memory is None:
+            dq = np.outer(c, h * state.v)
+            stages = Stages(dq, np.tile(state.v, (s, 1)), np.tile(state.multipliers, (s, 1)), np.zeros((s, m)), np.tile(state.stress, (s, 1)))
+            return stages, Middle(state.q + 0.5 * h * state.v, state.v, state.multipliers, state.stress)
+        memory: Memory = state.memory
+        last = tableau(memory.count)
+        points = 1.0 + np.concatenate((c, [0.5])) * (h / memory.h)
+        wide = lagrange(np.concatenate((np.zeros(1), last.c)), points)
+        narrow = lagrange(last.c, points)
+        dq = wide[:, 1:] @ memory.stages.dq + (memory.q0 - state.q)
+        v = wide[:, :1] * memory.v0 + wide[:, 1:] @ memory.stages.v
+        multipliers = narrow @ memory.stages.multipliers
+        stress = wide[:, :1] * memory.stress0 + wide[:, 1:] @ memory.stages.stress
+        stages = Stages(dq[:-1], v[:-1], multipliers[:-1], np.zeros((s, m)), stress[:-1])
+        return stages, Middle(state.q + dq[-1], v[-1], multipliers[-1], stress[-1])
+
+    def _iterate(
+        self, equations: StageEquations, linear: Linear, x: Stages, middle: Middle, tolerance: float, inputs: Any
+    ) -> Attempt | tuple[Stages, Linearised, float, int]:
+        """Simplified Newton; renews its derivatives once where it contracts slowly."""
+        system = equations.system
+        at = Linearised(system, linear, self.table, equations.h, middle, inputs)
+        levers, goal = system.levers, max(NEWTON * tolerance, 1e-15 * system.length)
+        last, worst_rate, fresh = np.inf, 0.0, True
+        for k in range(1, self.iterations + 1):
+            x, change, g = equations.correct(x, at)
+            size = float(np.max(np.abs(change) * levers, initial=0.0))
+            if not np.isfinite(size):
+                return self._failed("Newton's iteration overflowed", k, system, linear, g)
+            rate = size / last if last > 0.0 else 0.0
+            if k > 1:
+                worst_rate = max(worst_rate, rate)
+            if size <= goal * 1e-2 or (k > 1 and rate < 1.0 and rate / (1.0 - rate) * size <= goal):
+                return x, at, worst_rate, k
+            if k > 2 and rate > SLOW and fresh:
+                at, fresh = Linearised(system, linear, self.table, equations.h, self._middle(equations, x), inputs), False
+                last = np.inf
+                continue
+            left = self.iterations - k
+            if k > 2 and (rate >= 1.0 or rate**left / (1.0 - rate) * size > goal) and np.isfinite(last):
+                return self._failed(f"Newton's iteration does not contract (rate {rate:.2g})", k, system, linear, g)
+            last = size
+        return self._failed(f"Newton's iteration needs more than {self.iterations} steps", self.iterations, system, linear, g)
+
+    def _middle(self, equations: StageEquations, x: Stages) -> Middle:
+        at = np.array([0.5])
+        wide, narrow = self.table.extend(at, with_start=True)[0, 1:], self.table.extend(at, with_start=False)[0]
+        v = equations.v0 * (1.0 - wide.sum()) + wide @ x.v
+        return Middle(equations.q0 + wide @ x.dq, v, narrow @ x.multipliers, narrow @ x.stress)
+
+    def _failed(self, what: str, solves: int, system: System, linear: Linear, g: Array) -> Attempt:
+        residual = np.max(np.abs(g), axis=0, initial=0.0) * linear.reach
+        worst = int(np.argmax(residual)) if residual.size and np.isfinite(residual).all() else -1
+        return Attempt(None, np.inf, 1.0, 1.0, solves, what, worst)
+
+    def _error(self, equations: StageEquations, linear: Linear, state: State, x: Stages, at: Linearised, tolerance: float) -> float:
+        system, table = equations.system, self.table
+        force = system.load(state.q, system.inputs(state.t))
+        if system.n_stresses:
+            force = force - system.strains(state.q).pull(state.stress)
+        if system.m:
+            back = table.extend(np.zeros(1), with_start=False)[0]
+            force = force - system.joints.at(state.q).pull(back @ x.multipliers)
+        defect = equations.start_defect(x, force, at)
+        return float(np.max(np.abs(defect) * system.levers, initial=0.0)) / tolerance
+
+    def first_step(self, system: System, state: State, acceleration: Array, span: float, tolerance: float) -> float:
+        """A step over which accelerations move things by a modest part of the length."""
+        speed = float(np.max(np.abs(state.v) * system.levers, initial=0.0))
+        pull = float(np.max(np.abs(acceleration) * system.levers, initial=0.0))
+        reach = system.length * (tolerance / system.length) ** (1.0 / (self.table.stages + 1.0))
+        steps = [span, *([reach / speed] if speed > 0.0 else []), *([np.sqrt(2.0 * reach / pull)] if pull > 0.0 else [])]
+        return 0.1 * min(steps)

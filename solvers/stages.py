@@ -1,0 +1,139 @@
+"""The equations of one Radau IIA step and their simplified Newton iteration.
+
+GGL-stabilised index 2, with stresses S iterated beside the coordinates; X' = A^-1 (X - x0) / h for stage values X:
+    r1 = M (Q' - V) - G' mu                                    (where G is constant: mu = 0, V = Q', left out)
+    r2 = M V' + B(Q)' S - load(Q, Q', t) + G' Lambda
+    r3 = g(Q),   r4 = G V
+    r5 = C strain(Q) + eta B Q' - S                            so that one step may turn a stiff beam far
+K, D, G, B of the predicted middle of the step serve all stages. The eigenvectors of A^-1 decouple these into one real and
+(s - 1)/2 complex systems; for each eigenvalue z of A^-1 / h
+    [ z^2 M + z D + K   G' ] [ dQ               ]   [ -r2 - B' r5 - z r1 ]
+    [ G                 0  ] [ dLambda - z dMu  ] = [ -r3                ]
+then, with the mass matrix,
+    [ M   G' ] [ dV  ]   [ M dQ' + r1            ]
+    [ G   0  ] [ dMu ] = [ -r4 - d(G v)/dq dQ    ]
+and dS = r5 + (C B + d(eta B v)/dq) dQ + eta B dQ'. Velocity-dependent forces are taken at Q', so that z D is exact under heavy damping.
+Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8 and VII.4; Gear, Leimkuhler and Gupta (1985).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .coefficients import Tableau
+from .linear import Linear, Tangent
+from .system import Array, System
+
+
+class Stages(NamedTuple):
+    """Unknowns of a step: dq = Q - q0, v [s, n]; multipliers, drift (the GGL mu) [s, m]; stress [s, n_stresses]."""
+
+    dq: Array
+    v: Array
+    multipliers: Array
+    drift: Array
+    stress: Array
+
+
+class Middle(NamedTuple):
+    """The configuration whose derivatives serve the whole step."""
+
+    q: Array
+    v: Array
+    multipliers: Array
+    stress: Array
+
+
+class Linearised:
+    """Derivatives at the middle of a step, factorised for all eigenvalues. Raises Singular."""
+
+    def __init__(self, system: System, linear: Linear, table: Tableau, h: float, middle: Middle, inputs: Any):
+        self.system, self.table, self.h = system, table, h
+        self.joints = system.joints.at(middle.q)
+        self.strains = system.strains(middle.q) if system.n_stresses else None
+        self.v = middle.v
+        stiffness = system.stiffness(middle.q, middle.v, inputs, middle.stress, middle.multipliers)
+        damping = None if system.viscosity is None else system.damping(middle.q)
+        self.tangent: Tangent = linear.tangent(self.joints.gradient, stiffness, damping)
+        self.z = table.eigenvalues / h
+        self.factors = [
+            linear.factor(self.tangent, z * z, z, 1.0) for z in [*self.z[: table.real].real, *self.z[table.real :]]
+        ]
+        self.mass_factor = None if system.joints.linear else linear.factor(self.tangent)
+
+    def solve(self, top: Array, bottom: Array) -> tuple[Array, Array]:
+        """The stage system: right sides [s, n] and [s, m], all eigenvalues."""
+        t = self.table
+        dq, y = np.zeros_like(top), np.zeros_like(bottom)
+        if t.real:
+            x, multiplier = self.factors[0].solve((t.into_real @ top)[0], (t.into_real @ bottom)[0])
+            dq, y = t.back_real * x, t.back_real * multiplier
+        for k, factor in enumerate(self.factors[t.real :]):
+            x, multiplier = factor.solve(t.into_complex[k] @ top, t.into_complex[k] @ bottom)
+            column = t.back_complex[:, k : k + 1]
+            dq, y = dq + (column * x).real, y + (column * multiplier).real
+        return dq, y
+
+    def pull(self, stress: Array) -> Array:
+        return self.strains.pull(stress) if self.strains is not None else np.zeros((len(stress), self.system.n))
+
+    def stress_change(self, dq: Array, rate: Array) -> Array:
+        """(C B + d(eta B v)/dq) dq + eta B rate."""
+        system = self.system
+        assert self.strains is not None
+        change = system.modulus * self.strains.push(dq)
+        if system.viscosity is not None:
+            change = change + system.viscosity * (self.strains.push(rate) + self.strains.swirl_times(self.v, dq))
+        return change
+
+    def velocity_swirl(self, dq: Array) -> Array:
+        """d(G v)/dq dq [s, m]."""
+        joints = self.system.joints
+        return joints.to_rows(self.joints.swirl(self.v) * dq[..., joints.cols])
+
+
+class StageEquations:
+    """The residuals of a step from (q0, v0) with given stage inputs, and one Newton correction."""
+
+    def __init__(self, system: System, table: Tableau, h: float, q0: Array, v0: Array, inputs: Any):
+        self.system, self.table, self.h, self.q0, self.v0, self.inputs = system, table, h, q0, v0, inputs
+        self.rate = table.inverse / h
+
+    def correct(self, x: Stages, at: Linearised) -> tuple[Stages, Array, Array]:
+        """The next iterate, its change of q [s, n], and the residual of g [s, m]."""
+        system = self.system
+        q, q_rate = self.q0 + x.dq, self.rate @ x.dq
+        joints = system.joints.at(q)
+        v = x.v if at.mass_factor else q_rate
+        r2 = system.mass(self.rate @ (v - self.v0)) - system.load(q, self.inputs)
+        if system.n_stresses:
+            strains = system.strains(q)
+            r5 = system.stress(strains, q_rate) - x.stress
+            r2 = r2 + strains.pull(x.stress) + at.pull(r5)
+        if system.m:
+            r2 = r2 + joints.pull(x.multipliers)
+        g = joints.value
+        if at.mass_factor is None:
+            dq, d_multipliers = at.solve(-r2, -g)
+            v, drift = self.rate @ (x.dq + dq), x.drift
+        else:
+            r1 = system.mass(q_rate - v) - joints.pull(x.drift)
+            dq, y = at.solve(-r2 - self.rate @ r1, -g)
+            dq_rate = self.rate @ dq
+            dv, d_drift = at.mass_factor.solve(system.mass(dq_rate) + r1, -joints.push(v) - at.velocity_swirl(dq))
+            d_multipliers = y + self.rate @ d_drift
+            v, drift = v + dv, x.drift + d_drift
+        stress = x.stress
+        if system.n_stresses:
+            stress = stress + r5 + at.stress_change(dq, self.rate @ dq)
+        return Stages(x.dq + dq, v, x.multipliers + d_multipliers, drift, stress), dq, g
+
+    def start_defect(self, x: Stages, force: Array, at: Linearised) -> Array:
+        """The embedded estimate of the local error in q [n]: the defect of the collocation polynomial at the start of the step,
+        filtered by the real system. ``force`` is f - B' sigma - G' lambda at the start. Hairer and Wanner (1996), IV.8, eq. 8.19."""
+        gamma = self.table.gamma / self.h
+        start = self.table.start / self.h
+        top = gamma * self.system.mass(self.v0 - start @ x.dq) + force - self.system.mass(start @ (x.v - self.v0))
+        return at.factors[0].solve(top, np.zeros(self.system.m))[0]

@@ -1,0 +1,119 @@
+"""Consistent starts: positions and velocities projected to the equations with the least motion in the sense of the mass matrix, then
+accelerations and multipliers from the index-1 equations
+
+    [ M  G' ] [ a      ]   [ f(q, v, t)       ]
+    [ G  0  ] [ lambda ] = [ -v' d2g/dq2 v    ].
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .formats import Singular
+from .linear import Factor, Linear
+from .system import Array, System
+
+CONSISTENT = 1e-13
+"""Largest |g| / length and |G v| / speed left by a projection."""
+
+REDUNDANT = 1e-9
+"""Singular values of the scaled G below this times the largest count as zero."""
+
+
+class Defect(NamedTuple):
+    """Equations that cannot be met, or are met twice: what is wrong with which rows."""
+
+    what: str
+    rows: list[int]
+    coordinates: list[int]
+
+
+class Inconsistent(ArithmeticError):
+    """No consistent start; ``defect`` says which equations or coordinates are to blame."""
+
+    def __init__(self, defect: Defect):
+        self.defect = defect
+        super().__init__(defect.what)
+
+
+def speed_scale(system: System, v: Array) -> float:
+    """[length/time] the fastest coordinate, levers included."""
+    return float(np.max(np.abs(v) * system.levers, initial=0.0))
+
+
+def mass_factor(system: System, linear: Linear, q: Array) -> Factor:
+    return linear.factor(linear.tangent(system.joints.at(q).gradient))
+
+
+def project_positions(system: System, linear: Linear, q: Array, *, factor: Factor | None = None, sweeps: int = 50) -> Array:
+    """q with g(q) = 0, by Newton's method (with a given factor: the simplified one); raises Inconsistent where it does not converge."""
+    floor = max(CONSISTENT * system.length, 4e-16 * float(np.max(np.abs(q), initial=0.0)))
+    best, fresh = np.inf, factor is None
+    for _ in range(sweeps):
+        joints = system.joints.at(q)
+        residual = np.abs(joints.value) * linear.reach
+        worst = float(np.max(residual, initial=0.0))
+        if worst <= floor or (worst <= 100.0 * floor and worst >= best):
+            return q
+        if not np.isfinite(worst):
+            break
+        best = min(best, worst)
+        if fresh:
+            factor = linear.factor(linear.tangent(joints.gradient))
+        assert factor is not None
+        change, _ = factor.solve(np.zeros(system.n), -joints.value)
+        limit = 0.5 * system.length / max(float(np.max(np.abs(change) * system.levers)), 1e-300)
+        q = q + min(1.0, limit) * change
+    stuck = [int(row) for row in np.flatnonzero(residual > 0.1 * worst)]
+    raise Inconsistent(Defect(f"positions cannot satisfy them together (a distance of {worst:.6g} remains)", stuck, []))
+
+
+def project_velocities(system: System, factor: Factor, q: Array, v: Array) -> Array:
+    """v with G v = 0."""
+    joints = system.joints.at(q)
+    for _ in range(2):
+        change, _ = factor.solve(np.zeros(system.n), -joints.push(v))
+        v = v + change
+    return v
+
+
+def accelerations(system: System, factor: Factor, q: Array, v: Array, inputs: Any) -> tuple[Array, Array]:
+    """a [n] and multipliers [m] at a consistent state; ``factor`` is the mass KKT matrix at q."""
+    strains = system.strains(q)
+    force = system.load(q, inputs)
+    if system.n_stresses:
+        force = force - strains.pull(system.stress(strains, v))
+    joints = system.joints.at(q)
+    bias = -joints.bias(v)
+    a, multipliers = factor.solve(force, bias)
+    if factor.linear.softened:
+        da, dl = factor.solve(force - system.mass(a) - joints.pull(multipliers), bias - joints.push(a))
+        a, multipliers = a + da, multipliers + dl
+    return a, multipliers
+
+
+def redundancy(system: System, linear: Linear, q: Array) -> Defect | None:
+    """The equations that are met twice at q, or the coordinates without inertia that nothing holds; None where all is regular."""
+    try:
+        mass_factor(system, linear, q)
+        return None
+    except Singular:
+        pass
+    scaled = np.zeros((system.m, system.n))
+    joints = system.joints
+    np.add.at(scaled, (joints.rows, joints.cols), joints.at(q).gradient)
+    scaled *= linear.scale[system.n :, None] * linear.scale[: system.n]
+    left, sizes, right = np.linalg.svd(scaled)
+    rank = int(np.sum(sizes > REDUNDANT * max(float(sizes.max(initial=0.0)), 1e-300)))
+    rows: list[int] = []
+    if rank < system.m:
+        weight = np.max(np.abs(left[:, rank:]), axis=1)
+        rows = [int(row) for row in np.flatnonzero(weight > 1e-6)]
+    free = right[rank:] * linear.scale[: system.n]
+    values, vectors = np.linalg.eigh(free @ system.mass(free).T)
+    loose = vectors[:, values < 1e-12].T @ right[rank:]
+    coordinates = [int(c) for c in np.flatnonzero(np.max(np.abs(loose), axis=0, initial=0.0) > 1e-6)]
+    what = f"{system.m - rank} of {system.m} equations follow from the others" if rows else "no inertia and no joint determines them"
+    return Defect(what, rows, coordinates)

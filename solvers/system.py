@@ -1,0 +1,81 @@
+"""What a solver needs to know of a system, as protocols.
+
+    M dv/dt = load(q, t) - B(q)' sigma - G(q)' lambda,   sigma = C strain(q) + eta d(strain)/dt,   0 = g(q)
+
+q, v [..., n], lambda [..., m], sigma [..., n_stresses] with any leading axes; C (``modulus``) and eta (``viscosity``, None where
+nothing damps) are diagonal. Matrices come as values on constant patterns: M and K on n x n, G on m x n.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+
+class JointsAt(Protocol):
+    """The equations at configurations [...]."""
+
+    gradient: Array
+
+    @property
+    def value(self) -> Array: ...
+    def pull(self, multipliers: Array) -> Array: ...
+    def push(self, v: Array) -> Array: ...
+    def swirl(self, v: Array) -> Array: ...
+    def bias(self, v: Array) -> Array: ...
+
+
+class Joints(Protocol):
+    """The equations g(q) = 0 [m]; ``linear`` where G is constant."""
+
+    m: int
+    rows: Index
+    cols: Index
+    linear: bool
+
+    def at(self, q: Array) -> JointsAt: ...
+
+
+class Strains(Protocol):
+    """The elastic measures at configurations [...]."""
+
+    @property
+    def value(self) -> Array: ...
+    def pull(self, stress: Array) -> Array: ...
+    def push(self, change: Array) -> Array: ...
+    def swirl_times(self, v: Array, change: Array) -> Array: ...
+
+
+class System(Protocol):
+    """A mechanical system; see the module's equations."""
+
+    n: int
+    m: int
+    n_stresses: int
+    length: float
+    levers: Array
+    modulus: Array
+    viscosity: Array | None
+    joints: Any
+    mass_rows: Index
+    mass_cols: Index
+    mass_values: Array
+    stiffness_rows: Index
+    stiffness_cols: Index
+    damping_rows: Index
+    damping_cols: Index
+
+    def mass(self, x: Array) -> Array: ...
+    def inputs(self, t: Any) -> Any: ...
+    def strains(self, q: Array) -> Any: ...
+    def load(self, q: Array, inputs: Any) -> Array: ...
+    def stress(self, strains: Any, v: Array) -> Array: ...
+    def stiffness(self, q: Array, v: Array, inputs: Any, stress: Array, multipliers: Array) -> Array: ...
+    def damping(self, q: Array) -> Array: ...
+    def label(self, row: int) -> str: ...
+    def coordinate(self, index: int) -> str: ...
