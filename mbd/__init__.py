@@ -19,11 +19,12 @@ if not (_here / "elements").is_dir():
     __path__.append(str(_here.parent))
 
 if TYPE_CHECKING:
+    from .archive import load
     from .elements import AncfCable, Force, Particle, RigidBody, Spring, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
     from .joints import Ball, Clamp, Distance, Pin
     from .marker import Marker
-    from .result import Result, load
+    from .result import Result
     from .scene import Scene
     from .assemble import assemble
     from .simulate import simulate
@@ -36,7 +37,8 @@ _HOMES = {
     "solvers": ("GeneralizedAlpha", "Radau"),
     "errors": ("SceneError", "SceneWarning", "SimulationError"),
     "marker": ("Marker",),
-    "result": ("Result", "load"),
+    "archive": ("load",),
+    "result": ("Result",),
     "scene": ("Scene",),
     "assemble": ("assemble",),
     "simulate": ("simulate",),

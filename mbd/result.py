@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -202,6 +203,24 @@ class Result:
     def audit(self) -> Audit:
         return audit(self.system, self.trajectory)
 
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the result to an .npz file, whole or not at all; ``mbd.load`` reads it."""
+        from .archive import save
+
+        save(self, path)
+
+    def plot(self, times: ArrayLike | None = None, *, items: Sequence[Any] | None = None, ax: Any = None) -> Any:
+        """The deformed shapes at times [s] (by default ten), coloured by time; returns the matplotlib Axes."""
+        from .plot import plot
+
+        return plot(self, times, items=items, ax=ax)
+
+    def animate(self, path: str | os.PathLike[str] | None = None, *, fps: float = 30, speed: float = 1.0) -> Any:
+        """A matplotlib FuncAnimation of the shapes, ``speed`` times as fast as real time; written to a .gif or .mp4 where a path is given."""
+        from .plot import animate
+
+        return animate(self, path, fps=fps, speed=speed)
+
 
 @dataclass(frozen=True)
 class Audit:
@@ -255,7 +274,3 @@ def _frame(axes: Any, q: Array) -> Array:
     if axes[0].dimension == 2:
         return np.stack([axes[0].value(q), axes[0].scaled(1j).value(q)], axis=-1)
     return np.stack([axis.value(q) for axis in axes], axis=-1)
-
-
-def load(path: str) -> Result:
-    raise NotImplementedError

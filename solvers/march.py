@@ -13,8 +13,11 @@ from .protocol import Attempt, Integrator, State
 from .system import Array, System
 
 SAFETY, SHRINK, GROW = 0.85, 0.2, 5.0
-CONTRACTION = 0.5
-"""Newton's rate above which the next step does not grow."""
+CONTRACTION = 0.35
+"""Newton's rate that steps aim at. Where tolerances are loose it is what limits them, and it grows with about their fourth power."""
+
+BELOW_FAILURE, RELAX = 0.7, 1.15
+"""After a failed iteration steps stay below this share of the failed one; the limit relaxes by this factor with each easy step."""
 
 
 @dataclass
@@ -47,7 +50,7 @@ def march(
     start = state = record.states[-1]
     h = min(method.fixed or first_step, t_end - start.t)
     history: tuple[float, float] | None = None
-    recovering = False
+    ceiling = np.inf
     span = t_end - start.t
     while state.t < t_end:
         remaining = t_end - state.t
@@ -59,8 +62,9 @@ def march(
         record.solves += attempt.solves
         if attempt.state is not None and (attempt.error <= 1.0 or method.fixed is not None):
             record.steps += 1
-            h_next, history = _grown(h, attempt, history, recovering)
-            recovering = attempt.rate > CONTRACTION
+            h_next, history = _grown(h, attempt, history)
+            ceiling *= RELAX if attempt.rate < CONTRACTION else 1.0
+            h_next = min(h_next, ceiling)
             landed = attempt.state if h < remaining else attempt.state._replace(t=t_end)
             record.work.append(record.work[-1] + (work(attempt) if work else 0.0))
             record.states.append(landed)
@@ -71,7 +75,7 @@ def march(
             continue
         if attempt.state is None:
             record.failed += 1
-            h, recovering = 0.4 * h, True
+            h, ceiling = 0.5 * h, BELOW_FAILURE * h
         else:
             record.rejected += 1
             h *= max(SHRINK, SAFETY * attempt.error ** (-1.0 / attempt.order))
@@ -81,18 +85,12 @@ def march(
             break
 
 
-def _grown(h: float, attempt: Attempt, history: tuple[float, float] | None, recovering: bool) -> tuple[float, tuple[float, float]]:
+def _grown(h: float, attempt: Attempt, history: tuple[float, float] | None) -> tuple[float, tuple[float, float]]:
     """The next step: by the error, by its trend (Gustafsson 1994), and by Newton's contraction."""
     error = max(attempt.error, 1e-8)
     factor = SAFETY * error ** (-1.0 / attempt.order)
     if history is not None:
         last_h, last_error = history
         factor = min(factor, SAFETY * (h / last_h) * (last_error / error**2) ** (1.0 / attempt.order))
-    factor = min(max(factor, SHRINK), GROW)
-    if attempt.rate > CONTRACTION:
-        factor = min(factor, 0.8)
-    elif attempt.rate > 0.5 * CONTRACTION:
-        factor = min(factor, 1.0)
-    elif recovering:
-        factor = min(factor, 1.3)
-    return h * factor, (h, error)
+    by_contraction = (CONTRACTION / max(attempt.rate, 1e-4)) ** 0.25
+    return h * min(max(factor, SHRINK), max(by_contraction, 0.5), GROW), (h, error)

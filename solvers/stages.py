@@ -101,8 +101,8 @@ class StageEquations:
         self.system, self.table, self.h, self.q0, self.v0, self.inputs = system, table, h, q0, v0, inputs
         self.rate = table.inverse / h
 
-    def correct(self, x: Stages, at: Linearised) -> tuple[Stages, Array, Array]:
-        """The next iterate, its change of q [s, n], and the residual of g [s, m]."""
+    def correct(self, x: Stages, at: Linearised) -> tuple[Stages, float, Array]:
+        """The next iterate, the size of its change as a length, and the residual of g [s, m]."""
         system = self.system
         q, q_rate = self.q0 + x.dq, self.rate @ x.dq
         joints = system.joints.at(q)
@@ -117,23 +117,30 @@ class StageEquations:
         g = joints.value
         if at.mass_factor is None:
             dq, d_multipliers = at.solve(-r2, -g)
-            v, drift = self.rate @ (x.dq + dq), x.drift
+            dv, drift = self.rate @ dq, x.drift
         else:
             r1 = system.mass(q_rate - v) - joints.pull(x.drift)
             dq, y = at.solve(-r2 - self.rate @ r1, -g)
             dq_rate = self.rate @ dq
             dv, d_drift = at.mass_factor.solve(system.mass(dq_rate) + r1, -joints.push(v) - at.velocity_swirl(dq))
             d_multipliers = y + self.rate @ d_drift
-            v, drift = v + dv, x.drift + d_drift
+            drift = x.drift + d_drift
         stress = x.stress
         if system.n_stresses:
             stress = stress + r5 + at.stress_change(dq, self.rate @ dq)
-        return Stages(x.dq + dq, v, x.multipliers + d_multipliers, drift, stress), dq, g
+        return Stages(x.dq + dq, v + dv, x.multipliers + d_multipliers, drift, stress), self._size(dq, dv), g
 
-    def start_defect(self, x: Stages, force: Array, at: Linearised) -> Array:
-        """The embedded estimate of the local error in q [n]: the defect of the collocation polynomial at the start of the step,
+    def _size(self, dq: Array, dv: Array) -> float:
+        """The largest change of a stage's position, or of the final velocity times the step: both are lengths."""
+        levers = self.system.levers
+        return max(float(np.max(np.abs(dq) * levers)), self.h * float(np.max(np.abs(dv[-1]) * levers)))
+
+    def start_defect(self, x: Stages, force: Array, at: Linearised) -> tuple[Array, Array]:
+        """The embedded estimate of the local error in q and v [n]: the defect of the collocation polynomial at the start of the step,
         filtered by the real system. ``force`` is f - B' sigma - G' lambda at the start. Hairer and Wanner (1996), IV.8, eq. 8.19."""
         gamma = self.table.gamma / self.h
         start = self.table.start / self.h
-        top = gamma * self.system.mass(self.v0 - start @ x.dq) + force - self.system.mass(start @ (x.v - self.v0))
-        return at.factors[0].solve(top, np.zeros(self.system.m))[0]
+        gap = self.v0 - start @ x.dq
+        top = gamma * self.system.mass(gap) + force - self.system.mass(start @ (x.v - self.v0))
+        error, _ = at.factors[0].solve(top, np.zeros(self.system.m))
+        return error, gamma * error - gap

@@ -1,0 +1,199 @@
+"""Results in files: ``result.save("run.npz")`` and ``mbd.load("run.npz")``.
+
+An uncompressed .npz without pickle: ``head``, a JSON text in bytes, holds the descriptions of the scene's items, gravity, solver and
+statistics; every other member is a float64 array of the trajectory. Loading builds the scene anew of the same descriptions. Nothing in
+a file is executed, and nothing much larger than the file is allocated for it.
+
+Functions of t cannot be stored. What needs them (accelerations, reactions, values between the steps) raises after loading, by name;
+everything else is answered.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import os
+import secrets
+import warnings
+import zipfile
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import __version__, solvers
+from .affine import Array
+from .assemble import Assembly, Correction, consistent
+from .descriptions import described, functions, rebuilt
+from .errors import SceneWarning, SimulationError
+from .result import Result, Trajectory
+from .solvers.protocol import State as SolverState
+from .state import State
+from .system import System
+
+FORMAT, VERSION = "mbd result", 1
+STATE = tuple(name for name in SolverState._fields if name != "memory")
+"""What is kept of the solver's states: all but what it remembers to predict the next step."""
+ARRAYS = (*STATE, "work")
+CHOSEN = ("chosen_t", "chosen_q", "chosen_v")
+"""The times that ``t_eval`` asked for and the values there; only in results that have them."""
+
+
+def save(result: Result, path: str | os.PathLike[str]) -> None:
+    """Writes a result. The file appears whole or not at all; until then an old one stays.
+
+    Warns, by name, of loads whose functions of t cannot be stored. Raises ValueError for a scene that has grown since the run.
+    """
+    if result.scene.build() is not result.system:
+        raise ValueError("save: expected the scene as it was in this run, found items added since; save a result before adding to its scene")
+    head, steps = _head(result), result.trajectory
+    if head["functions"]:
+        names = ", ".join(map(repr, head["functions"]))
+        warnings.warn(f"functions of t are not stored: a loaded result refuses what needs those of {names}", SceneWarning, stacklevel=3)
+    arrays = {name: np.array([getattr(state, name) for state in steps.states]) for name in STATE} | {"work": steps.work}
+    if result.t is not steps.t:
+        arrays |= dict(zip(CHOSEN, (result.t, result.q, result.v)))
+    text = json.dumps(head, default=_plain)
+    rows = {name: np.ascontiguousarray(array, dtype="<f8") for name, array in arrays.items()}
+    with _replacing(Path(path).resolve()) as file:
+        np.savez(file, allow_pickle=False, head=np.frombuffer(text.encode(), dtype=np.uint8), **rows)
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else str(value)
+
+
+def _head(result: Result) -> dict[str, Any]:
+    items = described(result.scene)
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "mbd": __version__,
+        "gravity": result.scene.gravity,
+        "items": items,
+        "functions": functions(items),
+        "coordinates": result.scene.coordinates(),
+        "solver": _solver(result.trajectory.method),
+        "rtol": result.stats["rtol"],
+        "stats": result.stats,
+        "corrections": [asdict(correction) for correction in result.assembly.corrections],
+        "redundant": result.assembly.redundant,
+    }
+
+
+def _solver(method: Any) -> dict[str, Any]:
+    """The public name of an integrator, and the fields that make it."""
+    return {"class": "Radau", "fields": {"stages": method.table.stages, "step": method.fixed}}
+
+
+@contextmanager
+def _replacing(path: Path) -> Iterator[io.BufferedWriter]:
+    """A file that takes the place of the one at the path when it is complete: whoever is killed leaves the old one or the new one."""
+    part = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+    try:
+        with open(part, "xb") as file:
+            yield file
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def load(path: str | os.PathLike[str]) -> Result:
+    """The result in a file that ``result.save`` wrote. Raises ValueError for any other or damaged file, OSError where there is none."""
+    try:
+        arrays = _read(Path(path))
+        head = _checked_head(arrays)
+        missing = [name for name in ARRAYS if name not in arrays]
+        if missing:
+            raise ValueError(f"expected arrays {', '.join(ARRAYS)}, found none named {', '.join(missing)}")
+        return _restored(head, arrays)
+    except (LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
+        raise ValueError(f"{path}: expected a result that result.save wrote, found a damaged one ({type(error).__name__}: {error})") from error
+    except (ValueError, SimulationError) as error:
+        raise ValueError(f"{path}: {error}") from error
+
+
+def _read(path: Path) -> dict[str, Array]:
+    """The known arrays of an uncompressed .npz."""
+    with open(path, "rb") as file:
+        size, start = os.fstat(file.fileno()).st_size, file.read(4)
+        if start != b"PK\x03\x04":
+            raise ValueError(f"expected a result that result.save wrote (.npz), found a file that starts with {start!r}")
+        try:
+            with zipfile.ZipFile(file) as archive:
+                members = archive.infolist()
+                if sum(member.file_size for member in members) > size:
+                    raise ValueError("expected uncompressed arrays, found ones larger than the file")
+                known = {f"{name}.npy": name for name in ("head", *ARRAYS, *CHOSEN)}
+                return {known[m.filename]: _array(archive.read(m), m.filename) for m in members if m.filename in known}
+        except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError) as error:
+            raise ValueError(f"expected a whole file, found a truncated or damaged one ({error})") from error
+
+
+def _array(raw: bytes, name: str) -> Array:
+    """The array in the bytes of an .npy file. ``np.load`` would allocate whatever a header claims before it reads."""
+    stream = io.BytesIO(raw)
+    if np.lib.format.read_magic(stream) != (1, 0):
+        raise ValueError(f"{name}: expected version 1.0 of the .npy format, found another")
+    shape, by_columns, dtype = np.lib.format.read_array_header_1_0(stream)
+    expected, found = math.prod(shape) * dtype.itemsize, len(raw) - stream.tell()
+    if by_columns or dtype.str not in ("<f8", "|u1") or expected != found:
+        raise ValueError(f"{name}: expected {expected} bytes of float64 by rows, found {found} bytes of {dtype}")
+    return np.frombuffer(raw, dtype, offset=stream.tell()).reshape(shape).astype(dtype.newbyteorder("="))
+
+
+def _checked_head(arrays: dict[str, Array]) -> dict[str, Any]:
+    if "head" not in arrays:
+        raise ValueError("expected a result that result.save wrote, found an .npz without 'head'")
+    try:
+        head = json.loads(arrays["head"].tobytes())
+    except ValueError as error:
+        raise ValueError(f"head: expected a JSON text, found another ({error})") from error
+    if not isinstance(head, dict) or head.get("format") != FORMAT:
+        raise ValueError(f"head: expected the format {FORMAT!r}, found another")
+    if head["version"] != VERSION:
+        raise ValueError(f"expected version {VERSION} of the format, found {head['version']!r}; load it with mbd {head['mbd']}, which wrote it")
+    return head
+
+
+def _restored(head: dict[str, Any], arrays: dict[str, Array]) -> Result:
+    t, q, v, work = (arrays[name] for name in ("t", "q", "v", "work"))
+    n = q.shape[-1]
+    scene = rebuilt(head["gravity"], head["items"], n, max(n, arrays["stress"].shape[-1]))
+    system = scene.build()
+    if scene.coordinates() != head["coordinates"]:
+        raise ValueError(f"expected the coordinates of the run, found others; mbd {head['mbd']} wrote the file, this is {__version__}")
+    _check_shapes(arrays, system)
+    if head["solver"]["class"] not in solvers.__all__:
+        raise ValueError(f"solver: expected one of {', '.join(solvers.__all__)}, found {head['solver']['class']!r}")
+    method = getattr(solvers, head["solver"]["class"])(**head["solver"]["fields"]).integrator(float(head["rtol"]))
+    states = [SolverState(*state) for state in zip(t.tolist(), *(arrays[name] for name in STATE[1:]))]
+    assembly = _assembly(head, system, State(q[0], v[0], float(t[0])))
+    result = Result(scene, system, Trajectory(t, q, v, work, states, method, assembly.linear), head["stats"], assembly, None)
+    if CHOSEN[0] in arrays:
+        result.t, result.q, result.v = (arrays[name] for name in CHOSEN)
+    return result
+
+
+def _assembly(head: dict[str, Any], system: System, start: State) -> Assembly:
+    """The start as it was found, with linear algebra prepared anew."""
+    corrections = tuple(Correction(**correction) for correction in head["corrections"])
+    return replace(consistent(system, start), state=start, corrections=corrections, redundant=tuple(head["redundant"]))
+
+
+def _check_shapes(arrays: dict[str, Array], system: System) -> None:
+    widths: dict[str, tuple[int, ...]] = {"t": (), "work": (), "multipliers": (system.m,), "stress": (system.n_stresses,)}
+    for name, array in arrays.items():
+        length = len(arrays[CHOSEN[0] if name in CHOSEN else "t"])
+        shape = (length, *widths.get(name.removeprefix("chosen_"), (system.n,)))
+        if name != "head" and not (array.shape == shape and np.isfinite(array).all()):
+            raise ValueError(f"{name}: expected finite numbers of shape {shape}, found shape {array.shape}, or NaN among them")
+    if not len(arrays["t"]) or np.any(np.diff(arrays["t"]) <= 0.0):
+        raise ValueError("t: expected one time or more, ascending, found others")
