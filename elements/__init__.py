@@ -9,4 +9,4 @@ from .particle import Particle
 from .rigid import RigidBody
 from .spring import Spring, TorsionSpring
 
-__all__ = ["AncfCable", "Force", "Particle", "RigidBody", "Spring", "TorsionSpring", "Torque"]
+__all__ = ["AncfCable", "Force", "Particle", "RigidBody", "Spring", "Torque", "TorsionSpring"]

@@ -78,7 +78,8 @@ class AncfCable:
             elif np.any(np.linalg.norm(tangents, axis=1) == 0.0):
                 shape = ["tangents: expected vectors dr/ds, found a zero one; give directions of unit length"]
             elif (dimension == 3 or self.elasticity == "local_frame") and not _straight(nodes, tangents):
-                why = "a cable without torsion has no frame to carry its rest curvature" if dimension == 3 else "the chord-frame element is straight at rest"
+                spatial, chord = "a cable without torsion has no frame to carry its rest curvature", "the chord-frame element is straight at rest"
+                why = spatial if dimension == 3 else chord
                 shape = [f"nodes: expected a straight rest shape, found a curved one ({why}); use a planar 'continuum' cable or straight pieces"]
         return found + shape
 
@@ -214,28 +215,39 @@ def _speed(nodal: Array, lengths: Array, xi: Array) -> Array:
 
 
 def _element_lengths(nodes: Array, tangents: Array) -> Array:
-    """Arc lengths l [n] of the elements, where the slopes are dr/dx with x from 0 to l: l = int |dr/dxi|(l) dxi."""
-    nodal = np.concatenate((np.stack((nodes[:-1], tangents[:-1]), axis=1), np.stack((nodes[1:], tangents[1:]), axis=1)), axis=1)
-    xi, weight = gauss(16)
-    lengths = np.linalg.norm(np.diff(nodes, axis=0), axis=1)
-    for _ in range(100):
-        longer = _speed(nodal, lengths, xi) @ weight
-        done = np.allclose(longer, lengths, rtol=4e-16, atol=0.0)
-        lengths = longer
-        if done:
+    """Arc lengths l [n] of the elements; the slopes are dr/dx with x from 0 to l.
+
+    Those of the smoothest planar curves with the given end points and tangent directions: the angle to the chord is
+    theta(u) = a (1 - u) + b u + c u (1 - u), with c such that int sin theta = 0, and l = chord / int cos theta. Exact for circles.
+    """
+    chord = np.diff(nodes, axis=0)
+    lengths = np.linalg.norm(chord, axis=1)
+    if nodes.shape[1] == 3:
+        return lengths
+    axis = chord @ np.array([1.0, 1j])
+    slope = tangents @ np.array([1.0, 1j])
+    a, b = np.angle(slope[:-1] / axis)[:, None], np.angle(slope[1:] / axis)[:, None]
+    u, weight = gauss(16)
+    c = np.zeros_like(a)
+    for _ in range(30):
+        theta = a * (1.0 - u) + b * u + c * u * (1.0 - u)
+        change = (np.sin(theta) @ weight) / ((u * (1.0 - u) * np.cos(theta)) @ weight)
+        c = c - change[:, None]
+        if np.max(np.abs(change)) < 1e-14:
             break
-    return lengths
+    return lengths / (np.cos(a * (1.0 - u) + b * u + c * u * (1.0 - u)) @ weight)
 
 
 def _arc_parameter(nodal: Array, length: float, fraction: float) -> float:
     """xi at a fraction of the element's arc length: Newton's method on the arc length."""
     points, weight = gauss(16)
-    lengths, xi = np.array([length]), float(fraction)
-    if fraction in (0.0, 1.0):
+    lengths, xi = np.array([length]), float(np.clip(fraction, 0.0, 1.0))
+    if xi in (0.0, 1.0):
         return xi
+    whole = float((_speed(nodal[None], lengths, points) @ weight)[0])
     for _ in range(20):
         arc = xi * float((_speed(nodal[None], lengths, xi * points) @ weight)[0])
-        change = (fraction * length - arc) / float(_speed(nodal[None], lengths, np.array([xi]))[0, 0])
+        change = (fraction * whole - arc) / float(_speed(nodal[None], lengths, np.array([xi]))[0, 0])
         xi = min(max(xi + change, 0.0), 1.0)
         if abs(change) < 1e-15:
             break

@@ -18,175 +18,188 @@ from mbd.affine import Array
 from .shapes import gauss, hermite_bend, hermite_slope
 
 
-def _cross_planar(x: Array, y: Array) -> Array:
-    return (x[..., 0, :] * y[..., 1, :] - x[..., 1, :] * y[..., 0, :])[..., None, :]
+def _cross(x: Array, y: Array) -> Array:
+    """x cross y [..., c, n, g] of vectors [..., d, n, g]: c = 1 in the plane, 3 in space."""
+    if x.shape[-3] == 2:
+        return (x[..., 0, :, :] * y[..., 1, :, :] - x[..., 1, :, :] * y[..., 0, :, :])[..., None, :, :]
+    out = np.empty(np.broadcast_shapes(x.shape, y.shape))
+    for i, j, k in CYCLES:
+        np.subtract(x[..., j, :, :] * y[..., k, :, :], x[..., k, :, :] * y[..., j, :, :], out=out[..., i, :, :])
+    return out
 
 
-def _cross_spatial(x: Array, y: Array) -> Array:
-    a, b, c = x[..., 0, :], x[..., 1, :], x[..., 2, :]
-    u, v, w = y[..., 0, :], y[..., 1, :], y[..., 2, :]
-    return np.stack((b * w - c * v, c * u - a * w, a * v - b * u), axis=-2)
+def _turn(x: Array, s: Array) -> Array:
+    """x cross s [..., d, n, g] for a moment s [..., c, n, g], in the plane one about its normal."""
+    if x.shape[-3] == 3:
+        return _cross(x, s)
+    out = np.empty((*np.broadcast_shapes(x.shape[:-3], s.shape[:-3]), *x.shape[-3:]))
+    np.multiply(x[..., 1, :, :], s[..., 0, :, :], out=out[..., 0, :, :])
+    np.multiply(x[..., 0, :, :], s[..., 0, :, :], out=out[..., 1, :, :])
+    np.negative(out[..., 1, :, :], out=out[..., 1, :, :])
+    return out
 
 
-def _turned(x: Array, s: Array) -> Array:
-    """x cross s for a moment s about the plane's normal [..., 1, g]."""
-    return np.stack((x[..., 1, :] * s[..., 0, :], -x[..., 0, :] * s[..., 0, :]), axis=-2)
-
-
-def _skew(s: Array) -> Array:
-    """E [..., d, d, g] with E y = y cross s."""
-    if s.shape[-2] == 1:
-        e = np.zeros((*s.shape[:-2], 2, 2, s.shape[-1]))
-        e[..., 0, 1, :], e[..., 1, 0, :] = s[..., 0, :], -s[..., 0, :]
-        return e
-    e = np.zeros((*s.shape[:-2], 3, 3, s.shape[-1]))
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        e[..., i, j, :], e[..., j, i, :] = s[..., k, :], -s[..., k, :]
+def _skew(s: Array, d: int) -> Array:
+    """E [..., d, d, n, g] with E y = y cross s."""
+    e = np.zeros((*s.shape[:-3], d, d, *s.shape[-2:]))
+    for i, j, k in CYCLES if d == 3 else [(0, 1, 0)]:
+        e[..., i, j, :, :] = s[..., k, :, :]
+        e[..., j, i, :, :] = -s[..., k, :, :]
     return e
+
+
+CYCLES = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
 
 class Continuum:
     """The kernel of all cables with one number of Gauss points.
 
-    nodes [n, d, 4] indices of the nodal vectors' components, length [n], rest_tangent and rest_bend [n, d, 4] the reference shape's
-    nodal vectors, EA, EI [n] and damping [n] (relaxation time [s]).
+    nodes [n, d, 4] indices of the nodal vectors' components, length [n], rest [n, d, 4] the nodal vectors of the shape without stress,
+    EA, EI [n] and damping [n] (relaxation time [s]). Strains and stresses are [..., 1 + c, n, g], the stretch before the curvatures.
     """
 
     def __init__(self, points: int, *, nodes: np.ndarray, length: Array, rest: Array, EA: Array, EI: Array, damping: Array):
         xi, weight = gauss(points)
-        self.shape = np.concatenate((hermite_slope(xi), hermite_bend(xi)), axis=1)
+        self.by_x, self.by_y = hermite_slope(xi), hermite_bend(xi)
         self.points, self.items, self.dimension = points, len(nodes), nodes.shape[1]
-        self.nodes, self.dofs = nodes, nodes.reshape(len(nodes), -1)
+        self.nodes, self.dofs = np.moveaxis(nodes, 1, 0).copy(), nodes.reshape(len(nodes), -1)
         one = np.ones_like(length)
-        self.scale = np.stack((one, length, one, length), axis=1)[:, None, :]
+        self.scale = np.stack((one, length, one, length), axis=1)
         self.components = 1 if self.dimension == 2 else 3
-        self._cross = _cross_planar if self.dimension == 2 else _cross_spatial
-        self._turn = _turned if self.dimension == 2 else _cross_spatial
-        self.m = points * (1 + self.components)
         self.rest_length = np.ones((self.items, points))
-        self.rest_curvature = np.zeros((self.items, self.components, points))
-        at_rest = ContinuumAt(self, rest)
-        self.rest_length = at_rest.stretched[..., 0, :] * 1.0
-        self.rest_curvature = ContinuumAt(self, rest).curvature if self.dimension == 2 else self.rest_curvature
+        shape = np.moveaxis(rest, 1, 0)
+        self.rest_length = ContinuumAt(self, shape).stretched
+        self.rest_curvature = ContinuumAt(self, shape).curvature * (self.dimension == 2)
         arc = weight * self.rest_length
-        bending = np.repeat((EI[:, None] * arc)[:, None, :], self.components, axis=1).reshape(self.items, -1)
-        self.modulus = np.concatenate((EA[:, None] * arc, bending), axis=1)
+        self.modulus = np.stack([EA[:, None] * arc] + [EI[:, None] * arc] * self.components)
         self.viscosity = damping[:, None] * self.modulus
-        pairs = self.shape.reshape(4, 2, points)
-        self._pairs = np.einsum("apg,bqg->gpqab", pairs, pairs).reshape(points * 4, 16)
+        pairs = np.stack((self.by_x, self.by_y), axis=1)
+        self._pairs = np.einsum("apg,bqg->pqgab", pairs, pairs).reshape(4 * points, 16)
 
     def at(self, q: Array) -> ContinuumAt:
         return ContinuumAt(self, q[..., self.nodes])
 
+    def slopes(self, nodal: Array) -> tuple[Array, Array]:
+        """dr/dxi and d2r/dxi2 [..., d, n, g] from nodal vectors [..., d, n, 4]."""
+        scaled = nodal * self.scale
+        return scaled @ self.by_x, scaled @ self.by_y
+
 
 class ContinuumAt:
-    """The cables at configurations [...]: strains, and their first and second derivatives."""
+    """The cables at configurations [...]: strains, and their first and second derivatives. x = dr/dxi, y = d2r/dxi2."""
 
     def __init__(self, kernel: Continuum, nodal: Array):
-        self.kernel = k = kernel
-        w = (nodal * k.scale) @ k.shape
-        self.x, self.y = w[..., : k.points], w[..., k.points :]
-        self.square = np.einsum("...ig,...ig->...g", self.x, self.x)[..., None, :]
+        self.kernel = kernel
+        self.x, self.y = kernel.slopes(nodal)
+        square = self.x * self.x
+        self.square = square[..., 0, :, :] + square[..., 1, :, :]
+        if kernel.dimension == 3:
+            self.square += square[..., 2, :, :]
         self.stretched = np.sqrt(self.square)
-        self.rest = k.rest_length[:, None, :]
-        self.per = 1.0 / (self.square * self.rest)
-        self.curvature = k._cross(self.x, self.y) * self.per
+        self.per = 1.0 / (self.square * kernel.rest_length)
+        self.curvature = _cross(self.x, self.y) * self.per[..., None, :, :]
 
     @property
     def value(self) -> Array:
-        """[..., n, m]: the stretches, then the curvatures component by component."""
+        """[..., 1 + c, n, g]."""
         k = self.kernel
-        stretch = self.stretched / self.rest - 1.0
-        bend = self.curvature - k.rest_curvature
-        return np.concatenate((stretch, bend), axis=-2).reshape(*bend.shape[:-3], k.items, k.m)
+        out = np.empty((*self.square.shape[:-2], 1 + k.components, k.items, k.points))
+        np.divide(self.stretched, k.rest_length, out=out[..., 0, :, :])
+        out[..., 0, :, :] -= 1.0
+        np.subtract(self.curvature, k.rest_curvature, out=out[..., 1:, :, :])
+        return out
 
-    def _split(self, stress: Array) -> tuple[Array, Array]:
-        k = self.kernel
-        s = stress.reshape(*stress.shape[:-1], 1 + k.components, k.points)
-        return s[..., :1, :], s[..., 1:, :]
+    def _work(self, moment: Array) -> Array:
+        """moment . curvature [..., n, g]."""
+        product = moment * self.curvature
+        return product[..., 0, :, :] if self.kernel.components == 1 else product.sum(axis=-3)
 
     def pull(self, stress: Array) -> Array:
-        """B' sigma [..., n, 4 d] from sigma [..., n, m]."""
+        """B' sigma [..., n, 4 d] from sigma [..., 1 + c, n, g]."""
         k = self.kernel
-        axial, moment = self._split(stress)
-        turning = moment * self.per
-        along = axial / (self.stretched * self.rest) - 2.0 * np.sum(moment * self.curvature, axis=-2, keepdims=True) / self.square
-        force = np.concatenate((along * self.x + k._turn(self.y, turning), -k._turn(self.x, turning)), axis=-1)
-        return ((force @ k.shape.T) * k.scale).reshape(*force.shape[:-2], -1)
+        axial, moment = stress[..., 0, :, :], stress[..., 1:, :, :]
+        turning = moment * self.per[..., None, :, :]
+        along = axial * self.stretched * self.per - 2.0 * self._work(moment) / self.square
+        on_x = along[..., None, :, :] * self.x + _turn(self.y, turning)
+        local = (on_x @ k.by_x.T - _turn(self.x, turning) @ k.by_y.T) * k.scale
+        return np.moveaxis(local, -3, -2).reshape(*local.shape[:-3], k.items, -1)
 
     def push(self, change: Array) -> Array:
-        """B dq [..., n, m] from dq [..., n_coordinates]."""
+        """B dq [..., 1 + c, n, g] from dq [..., n_coordinates]."""
         k = self.kernel
-        w = (change[..., k.nodes] * k.scale) @ k.shape
-        dx, dy = w[..., : k.points], w[..., k.points :]
-        along = np.einsum("...ig,...ig->...g", self.x, dx)[..., None, :]
-        stretch = along / (self.stretched * self.rest)
-        bend = (k._cross(dx, self.y) + k._cross(self.x, dy)) * self.per - 2.0 * self.curvature * along / self.square
-        both = np.concatenate((stretch, bend), axis=-2)
-        return both.reshape(*both.shape[:-2], k.m)
+        dx, dy = k.slopes(change[..., k.nodes])
+        product = self.x * dx
+        along = product[..., 0, :, :] + product[..., 1, :, :]
+        if k.dimension == 3:
+            along = along + product[..., 2, :, :]
+        out = np.empty((*along.shape[:-2], 1 + k.components, k.items, k.points))
+        np.multiply(along, self.stretched * self.per, out=out[..., 0, :, :])
+        bend = (_cross(dx, self.y) + _cross(self.x, dy)) * self.per[..., None, :, :]
+        np.subtract(bend, 2.0 * self.curvature * (along / self.square)[..., None, :, :], out=out[..., 1:, :, :])
+        return out
 
-    def _slopes(self) -> tuple[Array, Array]:
-        """Gradients of the strains by (r', r''): [..., n, c, 2 d, g], c = 1 (stretch) + components."""
+    def _gradient(self) -> Array:
+        """Strains by (x, y): [..., 1 + c, 2, d, n, g]."""
         k = self.kernel
-        stretch = np.concatenate((self.x / (self.stretched * self.rest), np.zeros_like(self.x)), axis=-2)[..., None, :, :]
-        unit = np.broadcast_to(np.eye(k.components)[..., None], (*self.x.shape[:-2], k.components, k.components, k.points))
-        bends = []
+        out = np.zeros((*self.square.shape[:-2], 1 + k.components, 2, k.dimension, k.items, k.points))
+        out[..., 0, 0, :, :, :] = self.x * (self.stretched * self.per)[..., None, :, :]
         for c in range(k.components):
-            s = unit[..., c, :, :] * self.per
-            by_x = k._turn(self.y, s) - 2.0 * self.curvature[..., c : c + 1, :] * self.x / self.square
-            bends.append(np.concatenate((by_x, -k._turn(self.x, s)), axis=-2))
-        return stretch, np.stack(bends, axis=-3)
+            s = np.zeros((*self.square.shape[:-2], k.components, k.items, k.points))
+            s[..., c, :, :] = self.per
+            bend = self.curvature[..., c : c + 1, :, :] / self.square[..., None, :, :]
+            out[..., 1 + c, 0, :, :, :] = _turn(self.y, s) - 2.0 * bend * self.x
+            out[..., 1 + c, 1, :, :, :] = -_turn(self.x, s)
+        return out
 
-    def _curve(self, axial: Array, moment: Array) -> Array:
-        """sigma . d2(strain) by (r', r''): [..., n, 2 d, 2 d, g]."""
-        d = self.kernel.dimension
-        x, square = self.x, self.square
-        xx = x[..., :, None, :] * x[..., None, :, :]
-        eye = np.eye(d)[..., None]
-        wide = square[..., None, :]
-        s = moment * self.per
-        yy, xs = self.kernel._turn(self.y, s), -self.kernel._turn(x, s)
-        work = np.sum(moment * self.curvature, axis=-2, keepdims=True)[..., None, :]
-        a = (axial / (self.stretched * self.rest))[..., None, :]
-        h_xx = a * (eye - xx / wide) - 2.0 * (yy[..., :, None, :] * x[..., None, :, :] + x[..., :, None, :] * yy[..., None, :, :]) / wide
-        h_xx = h_xx - 2.0 * work * eye / wide + 8.0 * work * xx / wide**2
-        h_xy = _skew(s) - 2.0 * x[..., :, None, :] * xs[..., None, :, :] / wide
-        h = np.zeros((*x.shape[:-2], 2 * d, 2 * d, x.shape[-1]))
-        h[..., :d, :d, :], h[..., :d, d:, :] = h_xx, h_xy
-        h[..., d:, :d, :] = np.swapaxes(h_xy, -3, -2)
-        return h
+    def _curve(self, stress: Array) -> Array:
+        """sigma . d2(strain) by (x, y): [..., 2, d, 2, d, n, g]."""
+        d, x = self.kernel.dimension, self.x
+        wide = self.square[..., None, None, :, :]
+        moment = stress[..., 1:, :, :]
+        s = moment * self.per[..., None, :, :]
+        turned, swept = _turn(self.y, s), -_turn(x, s)
+        xx, eye = x[..., :, None, :, :] * x[..., None, :, :, :], np.eye(d)[:, :, None, None]
+        mixed = turned[..., :, None, :, :] * x[..., None, :, :, :]
+        work = self._work(moment)[..., None, None, :, :] / wide
+        axial = (stress[..., 0, :, :] * self.stretched * self.per)[..., None, None, :, :]
+        out = np.zeros((*mixed.shape[:-4], 2, d, 2, d, *mixed.shape[-2:]))
+        out[..., 0, :, 0, :, :, :] = (
+            (axial - 2.0 * work) * eye + (8.0 * work - axial) * (xx / wide) - 2.0 * (mixed + np.swapaxes(mixed, -4, -3)) / wide
+        )
+        cross = _skew(s, d) - 2.0 * x[..., :, None, :, :] * swept[..., None, :, :, :] / wide
+        out[..., 0, :, 1, :, :, :] = cross
+        out[..., 1, :, 0, :, :, :] = np.swapaxes(cross, -4, -3)
+        return out
 
     def stiffness(self, stress: Array, modulus: Array) -> Array:
         """B' diag(modulus) B + sigma . d2(strain) [..., n, 4 d, 4 d]."""
         k, d = self.kernel, self.kernel.dimension
-        axial, moment = self._split(stress)
-        stiff, bend_stiff = self._split(np.broadcast_to(modulus, stress.shape))
-        stretch, bend = self._slopes()
-        slopes = np.concatenate((stretch, bend), axis=-3)
-        weighted = slopes * np.concatenate((stiff, bend_stiff), axis=-2)[..., None, :]
-        h = self._curve(axial, moment) + np.einsum("...cig,...cjg->...ijg", weighted, slopes)
-        h = np.moveaxis(h.reshape(*h.shape[:-3], 2, d, 2, d, k.points), (-5, -4, -3, -2, -1), (-2, -5, -1, -4, -3))
+        b = self._gradient()
+        h = self._curve(stress) + np.einsum("...cng,...cping,...cqjng->...piqjng", modulus, b, b)
+        h = np.moveaxis(h, (-6, -5, -4, -3, -2, -1), (-3, -5, -2, -4, -6, -1))
         full = (h.reshape(*h.shape[:-3], 4 * k.points) @ k._pairs).reshape(*h.shape[:-3], 4, 4)
-        full = np.swapaxes(full, -3, -2) * (k.scale[..., 0, :, None, None] * k.scale[..., 0, None, None, :]).reshape(k.items, 1, 4, 1, 4)
-        return full.reshape(*full.shape[:-4], 4 * d, 4 * d)
+        full = full * (k.scale[:, :, None] * k.scale[:, None, :])[:, None, None]
+        return np.swapaxes(full, -3, -2).reshape(*full.shape[:-4], 4 * d, 4 * d)
 
     def swirl(self, v: Array) -> Array:
-        """d(B v)/dq [..., n, m, 4 d]: what damping adds to the tangent."""
+        """d(B v)/dq [..., 1 + c, n, g, 4 d]: what damping adds to the tangent."""
         k = self.kernel
-        w = (v[..., k.nodes] * k.scale) @ k.shape
-        rate = np.concatenate((w[..., : k.points], w[..., k.points :]), axis=-2)
+        rate = np.stack(k.slopes(v[..., k.nodes]), axis=-4)
         rows = []
         for c in range(1 + k.components):
-            unit = np.zeros((1 + k.components, k.points))
+            unit = np.zeros((1 + k.components, k.items, k.points))
             unit[c] = 1.0
-            shape = (*self.x.shape[:-2], 1 + k.components, k.points)
-            unit = np.broadcast_to(unit, shape)
-            rows.append(np.einsum("...ijg,...jg->...ig", self._curve(unit[..., :1, :], unit[..., 1:, :]), rate))
-        d = k.dimension
-        by = np.stack(rows, axis=-3).reshape(*self.x.shape[:-2], 1 + k.components, 2, d, k.points)
-        out = np.einsum("...cpig,apg->...cgia", by, k.shape.reshape(4, 2, k.points)) * k.scale[:, None, None]
-        return out.reshape(*out.shape[:-4], k.m, 4 * d)
+            unit = np.broadcast_to(unit, (*self.square.shape[:-2], *unit.shape))
+            rows.append(np.einsum("...piqjng,...qjng->...ping", self._curve(unit), rate))
+        by = np.stack(rows, axis=-5)
+        shape = np.stack((k.by_x, k.by_y), axis=1)
+        out = np.einsum("...cping,apg,na->...cngia", by, shape, k.scale)
+        return out.reshape(*out.shape[:-2], 4 * k.dimension)
+
+    def swirl_times(self, v: Array, change: Array) -> Array:
+        """d(B v)/dq dq [..., 1 + c, n, g]."""
+        return np.sum(self.swirl(v) * change[..., self.kernel.dofs][..., None, :, None, :], axis=-1)
 
     def energy(self) -> Array:
         """[...]: of all cables together."""
-        return 0.5 * np.sum(self.kernel.modulus * self.value**2, axis=(-2, -1))
+        return 0.5 * np.sum(self.kernel.modulus * self.value**2, axis=(-3, -2, -1))

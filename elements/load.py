@@ -48,8 +48,9 @@ class Force:
             return found
         if not self.marker.turns():
             return [*found, f"marker: expected one that carries axes for a follower force, found {self.marker!r}; use follower=False"]
-        if dimension == 3 and not self.marker.rigid and (signal.function or not found and np.any(np.asarray(signal.constant)[1:])):
-            found.append("vector: expected only a first component (a thin spatial cable carries its tangent, no other axis), found others; use a dead force")
+        if dimension == 3 and not self.marker.rigid and (signal.function or (not found and np.any(np.asarray(signal.constant)[1:]))):
+            why = "a thin spatial cable carries its tangent, no other axis"
+            found.append(f"vector: expected only a first component ({why}), found others; use a dead force")
         return found
 
     def place(self, site: Site) -> PlacedForce:

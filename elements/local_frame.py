@@ -126,6 +126,10 @@ class LocalFrameAt:
             rows.append((self._curve(unit) @ rate[..., None])[..., 0])
         return np.stack(rows, axis=-2)
 
+    def swirl_times(self, v: Array, change: Array) -> Array:
+        """d(B v)/dq dq [..., n, 5]."""
+        return (self.swirl(v) @ change[..., self.kernel.dofs][..., None])[..., 0]
+
     def energy(self) -> Array:
         """[...]: of all elements together."""
         return 0.5 * np.sum(self.kernel.modulus * self.value**2, axis=(-2, -1))

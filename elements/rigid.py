@@ -103,11 +103,13 @@ class RigidBody:
         if self.angular_velocity is not None:
             found += validate.vector("angular_velocity", self.angular_velocity, 3)
         r = self.rotation
-        if r is not None and (not isinstance(r, np.ndarray) or r.shape != (3, 3) or not np.allclose(r.T @ r, np.eye(3), atol=1e-9) or np.linalg.det(r) < 0):
+        square = isinstance(r, np.ndarray) and r.shape == (3, 3)
+        if r is not None and (not square or not np.allclose(r.T @ r, np.eye(3), atol=1e-9) or np.linalg.det(r) < 0):
             found.append(f"rotation: expected a right-handed orthonormal 3x3 matrix, found {validate.show(r)}; normalise its columns")
         j = self.inertia
         if not isinstance(j, np.ndarray) or j.shape not in ((3,), (3, 3)) or not np.isfinite(j).all():
-            return [*found, f"inertia: expected three moments or a 3x3 matrix, found {validate.show(j)}; give them about the mass centre in body axes"]
+            about = "give them about the mass centre in body axes"
+            return [*found, f"inertia: expected three moments or a 3x3 matrix, found {validate.show(j)}; {about}"]
         if j.shape == (3, 3) and not np.allclose(j, j.T, rtol=1e-9, atol=0):
             return [*found, f"inertia: expected a symmetric matrix, found {validate.show(j)}; mirror its products"]
         moments = np.linalg.eigvalsh(j) if j.ndim == 2 else np.sort(j)
@@ -183,7 +185,7 @@ class Body:
 
 def _frame_along(axis: Array) -> Array:
     """A rotation matrix whose first column is the axis."""
-    first = axis / max(np.linalg.norm(axis), 1e-300)
+    first = axis / max(float(np.linalg.norm(axis)), 1e-300)
     second = np.cross(first, np.eye(3)[np.argmin(np.abs(first))])
-    second /= max(np.linalg.norm(second), 1e-300)
+    second /= max(float(np.linalg.norm(second)), 1e-300)
     return np.stack((first, second, np.cross(first, second)), axis=1)

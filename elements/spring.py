@@ -168,6 +168,9 @@ class StretchAt:
         h = modulus[..., None] * u[..., :, None] * u[..., None, :] + stress[..., None] * self._across()
         return np.swapaxes(p, -1, -2) @ h @ p
 
+    def swirl_times(self, v: Array, change: Array) -> Array:
+        return (self.swirl(v) @ change[..., self.kernel.dofs][..., None])[..., 0]
+
     def swirl(self, v: Array) -> Array:
         rate = self._across() @ self.kernel.maps.push(v)[..., None]
         return np.swapaxes(rate, -1, -2) @ self.kernel.maps.matrix
@@ -229,6 +232,9 @@ class LinearAt:
     def stiffness(self, stress: Array, modulus: Array) -> Array:
         p = self.maps.matrix
         return np.swapaxes(p, -1, -2) @ (modulus[..., None] * p)
+
+    def swirl_times(self, v: Array, change: Array) -> Array:
+        return np.zeros((*np.broadcast_shapes(v.shape[:-1], change.shape[:-1]), self.kernel.items, self.kernel.m))
 
     def swirl(self, v: Array) -> Array:
         return np.zeros((*v.shape[:-1], self.kernel.items, self.kernel.m, self.maps.dofs.shape[1]))

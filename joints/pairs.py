@@ -113,7 +113,8 @@ class Pin:
         for marker, axes in ((self.a, pose.axes_a), (self.b, pose.axes_b)):
             along = 0.0 if marker.rigid else abs(axes[:, 0] @ unit) / np.linalg.norm(axes[:, 0])
             if along > 1e-6:
-                return [f"axis: expected one across the cable {marker.item!r} (it has no torsion), found one with cosine {along:.3g} to it; turn the axis"]
+                across = f"one across the cable {marker.item!r} (it has no torsion)"
+                return [f"axis: expected {across}, found one with cosine {along:.3g} to it; turn the axis"]
         return []
 
     def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
@@ -220,7 +221,8 @@ class Clamp:
         a, b = (axes[:, 0] / np.linalg.norm(axes[:, 0]) for axes in (pose.axes_a, pose.axes_b))
         sine = float(np.linalg.norm(np.cross(a, b)))
         if sine > 1e-6:
-            return [f"tangents: expected parallel ones between two thin spatial cables, found an angle of {np.arcsin(min(sine, 1.0)):.6g} rad; put a body between them"]
+            angle = np.arcsin(min(sine, 1.0))
+            return [f"tangents: expected parallel ones between two thin spatial cables, found an angle of {angle:.6g} rad; put a body between them"]
         return []
 
     def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:

@@ -20,13 +20,13 @@ if not (_here / "elements").is_dir():
 
 if TYPE_CHECKING:
     from .archive import load
+    from .assemble import assemble
     from .elements import AncfCable, Force, Particle, RigidBody, Spring, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
     from .joints import Ball, Clamp, Distance, Pin
     from .marker import Marker
     from .result import Result
     from .scene import Scene
-    from .assemble import assemble
     from .simulate import simulate
     from .solvers import GeneralizedAlpha, Radau
     from .state import State
@@ -47,7 +47,32 @@ _HOMES = {
 _HOME = {name: module for module, names in _HOMES.items() for name in names}
 
 __version__ = "0.1.0"
-__all__ = sorted([*_HOME, "__version__"])
+__all__ = [
+    "AncfCable",
+    "Ball",
+    "Clamp",
+    "Distance",
+    "Force",
+    "GeneralizedAlpha",
+    "Marker",
+    "Particle",
+    "Pin",
+    "Radau",
+    "Result",
+    "RigidBody",
+    "Scene",
+    "SceneError",
+    "SceneWarning",
+    "SimulationError",
+    "Spring",
+    "State",
+    "Torque",
+    "TorsionSpring",
+    "__version__",
+    "assemble",
+    "load",
+    "simulate",
+]
 
 
 def __getattr__(name: str) -> Any:

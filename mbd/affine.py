@@ -49,7 +49,7 @@ class Affine:
         return cls(np.zeros(0, dtype=np.intp), np.zeros(0, dtype=complex if constant.size == 2 else float), constant)
 
     @classmethod
-    def of(cls, rows: Sequence[int], weights: Sequence[complex] | NDArray, dimension: int) -> Affine:
+    def of(cls, rows: Sequence[int] | NDArray[np.intp], weights: Sequence[complex] | NDArray, dimension: int) -> Affine:
         kind = complex if dimension == 2 else float
         return cls(np.array(rows, dtype=np.intp), np.array(weights, dtype=kind), np.zeros(dimension))
 

@@ -117,7 +117,7 @@ def load(path: str | os.PathLike[str]) -> Result:
     except (LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
         raise ValueError(f"{path}: expected a result that result.save wrote, found a damaged one ({type(error).__name__}: {error})") from error
     except (ValueError, SimulationError) as error:
-        raise ValueError(f"{path}: {error}") from error
+        raise ValueError(f"{path}: {'; '.join(str(error).splitlines())}") from error
 
 
 def _read(path: Path) -> dict[str, Array]:

@@ -99,7 +99,8 @@ def _redundant(system: System, linear: Linear, defect: object) -> list[str]:
 
 
 def _conflict(system: System, rows: list[int], what: str) -> str:
-    return f"joints {_names([system.label(row) for row in rows])}: expected equations that can hold together, found {what}; correct positions or lengths"
+    names = _names([system.label(row) for row in rows])
+    return f"joints {names}: expected equations that can hold together, found {what}; correct positions or lengths"
 
 
 def _names(names: list[str]) -> str:

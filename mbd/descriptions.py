@@ -15,7 +15,7 @@ import numpy as np
 from . import elements, joints
 from .affine import Affine
 from .marker import Marker
-from .scene import Scene
+from .scene import Misfit, Scene
 
 Data = dict[str, Any]
 
@@ -95,7 +95,8 @@ def rebuilt(gravity: Any, items: list[Data], n: int, most: int) -> Scene:
         data = {name: _decoded(value, scene) for name, value in item["fields"].items()}
         if any((data.get(name) or 0) > most for name in COUNTS):
             raise ValueError(f"{data['name']}: expected counts that fit {n} coordinates, found larger ones")
-        scene.add(KINDS[item["class"]](**data))
+        if isinstance(scene.add(KINDS[item["class"]](**data)), Misfit):
+            scene.build()  # raises with the complaint
         if scene.layout.n > n:
             raise ValueError(f"items: expected a scene of {n} coordinates, found more at {data['name']!r}")
     return scene

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,4 +26,5 @@ class Scatter:
             if len(self._index) > 8:  # samples of results come in any number: keep only the batches that solvers repeat
                 self._index = {1: self.target}
             index = self._index[count] = (self.target + self.size * np.arange(count)[:, None]).ravel()
-        return np.bincount(index, local.ravel(), minlength=count * self.size).reshape(*batch, self.size)
+        summed: Any = np.bincount(index, local.ravel(), minlength=count * self.size)  # numpy's stub forgets the weights: they are floats
+        return summed.reshape(*batch, self.size)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import validate
-from .affine import Affine, Array
+from .affine import Affine
 from .errors import SceneError
 from .layout import Layout
 from .marker import Marker
@@ -31,7 +31,8 @@ class Scene:
         self.gravity = validate.floats(gravity)
         good = isinstance(self.gravity, np.ndarray) and self.gravity.shape in ((2,), (3,)) and np.isfinite(self.gravity).all()
         if not good:
-            self._complaints.append(f"scene: gravity: expected two (planar) or three (spatial) finite numbers, found {validate.show(self.gravity)}; correct it")
+            found = validate.show(self.gravity)
+            self._complaints.append(f"scene: gravity: expected two (planar) or three (spatial) finite numbers, found {found}; correct it")
             self.gravity = np.zeros(2)
         self.dimension = int(self.gravity.size)
         self.layout = Layout(self.dimension)
@@ -91,11 +92,13 @@ class Scene:
             if not isinstance(marker, Marker):
                 return [f"marker: expected a marker such as rod.end or body.at(x, y), found {validate.show(marker)}; attach both ends"]
             if marker.dimension != self.dimension:
-                return [f"marker: expected {self.dimension} components, found {marker.dimension} at {marker.item!r}; do not mix planar and spatial scenes"]
+                found = f"{marker.dimension} at {marker.item!r}"
+                return [f"marker: expected {self.dimension} components, found {found}; do not mix planar and spatial scenes"]
             if marker.scene is not self:
                 return [f"marker: expected one of this scene, found one of {marker.item!r} in another scene; add that item here"]
         if all(marker.fixed for marker in markers if marker.item not in self._bad):
-            return [f"marker: expected at least one on a moving item, found {', '.join(repr(m.item) for m in markers)}; attach it to a body or a cable"]
+            found = ", ".join(repr(marker.item) for marker in markers)
+            return [f"marker: expected at least one on a moving item, found {found}; attach it to a body or a cable"]
         return []
 
     def _leans_on_misfit(self, description: Any) -> bool:

@@ -93,7 +93,8 @@ def _run(
     except SimulationError as error:
         trouble = error
     except KeyboardInterrupt:
-        trouble = SimulationError("interrupted", time=record.states[-1].t, advice="The partial result is in .result; continue with start=result.final")
+        advice = "The partial result is in .result; continue with start=result.final"
+        trouble = SimulationError("interrupted", time=record.states[-1].t, advice=advice)
     finally:
         if bar:
             bar.close()

@@ -204,8 +204,7 @@ class Strains:
 
     def push(self, change: Array) -> Array:
         """B dq [..., n_stresses]."""
-        local = [part.push(change) for part in self.parts]
-        return self._join(local, local[0].shape[:-2])
+        return self._join([part.push(change) for part in self.parts], np.broadcast_shapes(self.batch, change.shape[:-1]))
 
     def stiffness(self, stress: Array, modulus: Array, v: Array | None) -> Array:
         """Values of B' diag(modulus) B + sigma . d2(strain)/dq2, and with a velocity B' eta d(B v)/dq."""
@@ -222,15 +221,15 @@ class Strains:
 
     def swirl_times(self, v: Array, change: Array) -> Array:
         """d(B v)/dq dq [..., n_stresses]."""
-        parts = [(part.swirl(v) @ change[..., kernel.dofs][..., None])[..., 0] for part, kernel in zip(self.parts, self.system.measures)]
-        return self._join(parts, parts[0].shape[:-2])
+        parts = [part.swirl_times(v, change) for part in self.parts]
+        return self._join(parts, np.broadcast_shapes(self.batch, v.shape[:-1], change.shape[:-1]))
 
 
 class Joints:
     """All equations of a scene: the quadratic rows, then the turning angles."""
 
     def __init__(self, model: Model):
-        self.kernels: list[Quadratic | Turn] = []
+        self.kernels: list[Any] = []  # Quadratic and Turn: each prepares what its own methods take
         self.labels = [(item, label) for item, label, _ in model.equations] + [(item, "turn") for item, _ in model.turns]
         if model.equations:
             self.kernels.append(Quadratic([row for *_, row in model.equations], model.n))
@@ -279,14 +278,14 @@ class JointsAt:
 
     def swirl(self, v: Array) -> Array:
         """Values of d(G v)/dq on the pattern of G."""
-        return self._join([kernel.swirl(z, v) for kernel, z in zip(self.joints.kernels, self.states)])  # type: ignore[arg-type]
+        return self._join([kernel.swirl(z, v) for kernel, z in zip(self.joints.kernels, self.states)])
 
     def bias(self, v: Array) -> Array:
         """v' d2g/dq2 v [..., m]: minus what G a must be."""
-        return self._join([kernel.bias(z, v) for kernel, z in zip(self.joints.kernels, self.states)])  # type: ignore[arg-type]
+        return self._join([kernel.bias(z, v) for kernel, z in zip(self.joints.kernels, self.states)])
 
     def curvature(self, multipliers: Array) -> Array:
         """Values of d(G' lambda)/dq on (curvature_rows, curvature_cols)."""
         spans = self.joints.spans
-        parts = [kernel.curvature(z, multipliers[..., span]) for kernel, z, span in zip(self.joints.kernels, self.states, spans)]  # type: ignore[arg-type]
+        parts = [kernel.curvature(z, multipliers[..., span]) for kernel, z, span in zip(self.joints.kernels, self.states, spans)]
         return self._join(parts)

@@ -31,7 +31,7 @@ def finite(field: str, value: np.ndarray) -> list[str]:
 def number(field: str, value: Any, *, positive: bool = False, negative_allowed: bool = True) -> list[str]:
     expected = "a positive number" if positive else "a number" if negative_allowed else "a number not below zero"
     good = isinstance(value, np.ndarray) and value.shape == () and bool(np.isfinite(value))
-    if good and (positive and value <= 0 or not negative_allowed and value < 0):
+    if good and ((positive and value <= 0) or (not negative_allowed and value < 0)):
         good = False
     return [] if good else [f"{field}: expected {expected}, found {show(value)}; correct the value"]
 

@@ -69,7 +69,8 @@ class Tableau:
 
     c [s] nodes, a [s, s], inverse = a^-1, start [s]: derivative at 0 of the polynomial through 0 and the stages, gamma: the real
     eigenvalue of a^-1, and ``eigenvalues`` [p] (gamma, if s is odd, then one of each complex pair) with rows ``into`` [p, s] and columns
-    ``back`` [s, p] such that x = real(back @ (into @ x)) and real(back @ diag(eigenvalues) @ into) = a^-1.
+    ``back`` [s, p] such that x = real(back @ (into @ x)) and real(back @ diag(eigenvalues) @ into) = a^-1. ``into_parts`` [s, s] and
+    ``back_parts`` [s, s] are the same in real arithmetic: the real row, then real and imaginary part of each pair.
     """
 
     def __init__(self, stages: int):
@@ -86,8 +87,8 @@ class Tableau:
     def _assert_algebra(self, c: Wide, a: Wide, inverse: Wide) -> None:
         s = self.stages
         powers = np.arange(1, s + 1)
-        assert np.abs(a @ c[:, None] ** (powers - 1) - c[:, None] ** powers / powers).max() < 1e-16, "collocation C(s)"
-        assert np.abs([a[-1] @ c ** (k - 1) - np.longdouble(1) / k for k in range(1, 2 * s)]).max() < 1e-16, "quadrature B(2s-1)"
+        assert np.abs(a @ c[:, None] ** (powers - 1) - c[:, None] ** powers / powers).max() < 1e-15, "collocation C(s)"
+        assert np.abs([a[-1] @ c ** (k - 1) - np.longdouble(1) / k for k in range(1, 2 * s)]).max() < 1e-15, "quadrature B(2s-1)"
         assert np.abs(inverse @ a - np.eye(s)).max() < 1e-14, "inverse"
 
     def _split(self) -> None:
@@ -100,13 +101,16 @@ class Tableau:
         self.real = int(double[0] == 1.0)
         self.gamma = float(values[keep][0].real) if self.real else float("nan")
         assert np.abs((self.back @ self.into).real - np.eye(self.stages)).max() < 1e-8, "eigenvectors"
-        self.into_real, self.back_real = self.into[: self.real].real.copy(), self.back[:, : self.real].real.copy()
-        # A real eigenvalue's eigenvector may come with a complex factor: make both sides real.
+        # The eigenvector of the real eigenvalue may come with a complex factor: make it real.
         if self.real:
             phase = self.back[np.argmax(np.abs(self.back[:, 0])), 0]
-            self.back_real = (self.back[:, :1] / phase).real
-            self.into_real = (self.into[:1] * phase).real
-        self.into_complex, self.back_complex = self.into[self.real :].copy(), self.back[:, self.real :].copy()
+            self.into[0], self.back[:, 0] = (self.into[0] * phase).real, (self.back[:, 0] / phase).real
+        pairs_in, pairs_back = self.into[self.real :], self.back[:, self.real :]
+        mixed = [part for k in range(len(pairs_in)) for part in (pairs_in[k].real, pairs_in[k].imag)]
+        spread = [part for k in range(len(pairs_in)) for part in (pairs_back[:, k].real, -pairs_back[:, k].imag)]
+        self.into_parts = np.array([*self.into[: self.real].real, *mixed])
+        self.back_parts = np.array([*self.back[:, : self.real].real.T, *spread]).T.copy()
+        assert np.abs(self.back_parts @ self.into_parts - np.eye(self.stages)).max() < 1e-8, "real and imaginary parts"
         self._forecast = {
             start: _fit(np.concatenate((np.zeros(1), self.c)) if start else self.c, (self.stages + 3) // 2 - (not start)) for start in (True, False)
         }

@@ -26,11 +26,11 @@ class Format(Protocol):
     def slot(self, rows: Index, cols: Index) -> Index:
         """Where entries go in the buffer [slots]."""
 
-    def factor(self, buffer: NDArray) -> tuple[Solve, Solve]:
-        """Solvers with the matrix and with its transpose, for right sides [size] or [size, k]."""
+    def factor(self, buffer: NDArray) -> Solve:
+        """The solver for right sides [size] or [size, k]; raises Singular on a zero pivot."""
 
     def norm(self, buffer: NDArray) -> float:
-        """The largest column sum of magnitudes."""
+        """The largest column sum of magnitudes (of a complex entry: of its parts)."""
 
 
 def _check(info: int) -> None:
@@ -48,15 +48,15 @@ class Dense:
     def slot(self, rows: Index, cols: Index) -> Index:
         return cols * self.size + rows
 
-    def factor(self, buffer: NDArray) -> tuple[Solve, Solve]:
+    def factor(self, buffer: NDArray) -> Solve:
         complex_ = np.iscomplexobj(buffer)
         getrf, getrs = (lapack.zgetrf, lapack.zgetrs) if complex_ else (lapack.dgetrf, lapack.dgetrs)
         lu, pivots, info = getrf(buffer.reshape(self.size, self.size).T, overwrite_a=1)
         _check(info)
-        return lambda b: getrs(lu, pivots, b)[0], lambda b: getrs(lu, pivots, b, trans=1)[0]
+        return lambda b: getrs(lu, pivots, b)[0]
 
     def norm(self, buffer: NDArray) -> float:
-        return float(np.abs(buffer.reshape(self.size, self.size)).sum(axis=1).max())
+        return float(np.abs(buffer.view(float).reshape(self.size, -1)).sum(axis=1).max())
 
 
 class Band:
@@ -70,16 +70,16 @@ class Band:
     def slot(self, rows: Index, cols: Index) -> Index:
         return cols * self.height + 2 * self.half + rows - cols
 
-    def factor(self, buffer: NDArray) -> tuple[Solve, Solve]:
+    def factor(self, buffer: NDArray) -> Solve:
         complex_ = np.iscomplexobj(buffer)
         gbtrf, gbtrs = (lapack.zgbtrf, lapack.zgbtrs) if complex_ else (lapack.dgbtrf, lapack.dgbtrs)
         k = self.half
         lu, pivots, info = gbtrf(buffer.reshape(self.size, self.height).T, k, k, overwrite_ab=1)
         _check(info)
-        return lambda b: gbtrs(lu, k, k, b, pivots)[0], lambda b: gbtrs(lu, k, k, b, pivots, trans=1)[0]
+        return lambda b: gbtrs(lu, k, k, b, pivots)[0]
 
     def norm(self, buffer: NDArray) -> float:
-        return float(np.abs(buffer.reshape(self.size, self.height)).sum(axis=1).max())
+        return float(np.abs(buffer.view(float).reshape(self.size, -1)).sum(axis=1).max())
 
 
 class Sparse:
@@ -100,14 +100,14 @@ class Sparse:
 
         return csc_array((buffer, self.rows, self.starts), shape=(self.size, self.size))
 
-    def factor(self, buffer: NDArray) -> tuple[Solve, Solve]:
+    def factor(self, buffer: NDArray) -> Solve:
         from scipy.sparse.linalg import splu
 
         try:
             lu = splu(self._matrix(buffer), permc_spec="COLAMD")
         except RuntimeError as error:
             raise Singular(str(error)) from None
-        return lu.solve, lambda b: lu.solve(b, "T")
+        return lambda b: lu.solve(np.asarray(b, dtype=buffer.dtype))
 
     def norm(self, buffer: NDArray) -> float:
         return float(np.add.reduceat(np.abs(buffer), self.starts[:-1]).max())

@@ -14,6 +14,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .formats import Format, Singular, Solve, cheapest
 from .ordering import half_bandwidth, reverse_cuthill_mckee
@@ -50,15 +51,17 @@ class Linear:
         self.order = order if self.format.name == "band" else np.arange(self.size)
         self.place = np.argsort(self.order)
         self.scale = self._scales(system, q)
+        self._into = self.scale[self.order]
         self.softened = False
         self.factorizations = 0
         self._mass_slots, self._mass_scale = self._slots(system.mass_rows, system.mass_cols)
         self._stiffness_slots, self._stiffness_scale = self._slots(system.stiffness_rows, system.stiffness_cols)
         self._gradient_slots, self._gradient_scale = self._slots(top, left)
-        self._turned_slots, _ = self._slots(left, top)
+        self._both_slots = np.concatenate((self._gradient_slots, self._slots(left, top)[0]))
         self._corner = self._slots(corner, corner)[0]
         self._damping_slots, self._damping_scale = self._slots(system.damping_rows, system.damping_cols)
         self.mass = self._fill(self._mass_slots, self._mass_scale * system.mass_values)
+        self._constant_gradient = self._gradient(joints.at(q).gradient) if joints.linear else None
 
     def _scales(self, system: System, q: Array) -> Array:
         """[n + m]: what a unit of each scaled unknown is in the user's units."""
@@ -80,16 +83,19 @@ class Linear:
         return self.format.slot(self.place[rows], self.place[cols]), self.scale[rows] * self.scale[cols]
 
     def _fill(self, slots: Index, values: Array) -> Array:
-        return np.bincount(slots, values, minlength=self.format.slots)
+        return np.bincount(slots, values, minlength=self.format.slots)  # type: ignore[return-value]
 
     def tangent(self, gradient: Array, stiffness: Array | None = None, damping: Array | None = None) -> Tangent:
         """Buffers from the system's values of G, K and D at one configuration."""
-        g = self._gradient_scale * gradient
         return Tangent(
             None if stiffness is None else self._fill(self._stiffness_slots, self._stiffness_scale * stiffness),
             None if damping is None else self._fill(self._damping_slots, self._damping_scale * damping),
-            np.bincount(np.concatenate((self._gradient_slots, self._turned_slots)), np.concatenate((g, g)), minlength=self.format.slots),
+            self._constant_gradient if self._constant_gradient is not None else self._gradient(gradient),
         )
+
+    def _gradient(self, values: Array) -> Array:
+        scaled = self._gradient_scale * values
+        return self._fill(self._both_slots, np.concatenate((scaled, scaled)))
 
     def factor(self, tangent: Tangent, c_mass: complex = 1.0, c_damping: complex = 0.0, c_stiffness: float = 0.0) -> Factor:
         """The factorised KKT matrix; raises Singular."""
@@ -103,13 +109,20 @@ class Linear:
             buffer[self._corner] -= SOFTENING * size
         norm = self.format.norm(buffer)
         self.factorizations += 1
-        solve, solve_transposed = self.format.factor(buffer)
-        factor = Factor(self, solve, size)
-        rcond = _reciprocal_condition(self.size, norm, solve, solve_transposed)
+        solve = self.format.factor(buffer)
+        rcond = _reciprocal_condition(self.size, norm, solve)
         if not rcond > SINGULAR:
             raise Singular(f"reciprocal condition {rcond:.1e}")
-        factor.rcond = rcond
-        return factor
+        return Factor(self, solve, size, rcond)
+
+    def enter(self, top: Array, bottom: Array) -> Array:
+        """Right sides [..., n] and [..., m] in scaled, ordered unknowns [..., size]."""
+        return np.concatenate((top, bottom), axis=-1)[..., self.order] * self._into
+
+    def leave(self, x: Array) -> tuple[Array, Array]:
+        """Solutions [..., n] and [..., m] from scaled, ordered unknowns [..., size]."""
+        natural = x[..., self.place] * self.scale
+        return natural[..., : self.n], natural[..., self.n :]
 
     def soften(self) -> None:
         """From now on, redundant equations are allowed."""
@@ -119,29 +132,25 @@ class Linear:
 class Factor:
     """A factorised KKT matrix."""
 
-    def __init__(self, linear: Linear, solve: Solve, size: float):
-        self.linear, self._solve, self.rcond = linear, solve, 0.0
-        order, n = linear.order, linear.n
-        scale = linear.scale.copy()
-        scale[n:] *= size
-        self.into, self.out = scale[order], scale
-        self.order, self.place, self.n = order, linear.place, n
+    def __init__(self, linear: Linear, solve: Solve, size: float, rcond: float):
+        self.linear, self._solve, self.rcond = linear, solve, rcond
+        self._weight = np.where(linear.order < linear.n, 1.0, size)
 
     def solve(self, top: Array, bottom: Array) -> tuple[Array, Array]:
         """x [..., n], y [..., m] from right sides top [..., n], bottom [..., m]."""
-        right = np.concatenate((top, bottom), axis=-1)[..., self.order] * self.into
+        right = self.linear.enter(top, bottom)
         flat = right.reshape(-1, right.shape[-1])
-        x = self._solve(flat.T if len(flat) > 1 else flat[0])
-        x = (x.T.reshape(right.shape))[..., self.place] * self.out
-        return x[..., : self.n], x[..., self.n :]
+        x = self.solve_scaled(flat if len(flat) > 1 else flat[0])
+        return self.linear.leave(x.reshape(right.shape))
+
+    def solve_scaled(self, right: NDArray) -> NDArray:
+        """The solution in scaled unknowns [size] or [k, size], from ``linear.enter`` and for ``linear.leave``."""
+        return self._solve((right * self._weight).T).T * self._weight
 
 
-def _reciprocal_condition(size: int, norm: float, solve: Solve, solve_transposed: Solve) -> float:
-    """1 / (|A| |A^-1|) in the 1-norm, |A^-1| estimated from below by one sweep of Hager (1984), SIAM J. Sci. Stat. Comput. 5."""
+def _reciprocal_condition(size: int, norm: float, solve: Solve) -> float:
+    """1 / (|A| |A^-1|) in the 1-norm, with |A^-1| estimated from below by the growth of one vector of alternating signs and rising
+    size (Higham 1988, ACM Trans. Math. Softw. 14, algorithm 4.1, the safeguard): singular matrices show in it whatever their kernel."""
     k = np.arange(size)
-    x = solve((1.0 - 2.0 * (k % 2)) * (1.0 + k / max(size - 1, 1)) / (1.5 * size))
-    magnitude = np.abs(x)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        signs = np.where(magnitude > 0.0, np.conj(x) / magnitude, 1.0)
-    inverse = max(float(np.max(np.abs(solve_transposed(signs)), initial=0.0)), float(magnitude.sum()))
-    return 1.0 / (norm * inverse) if norm * inverse > 0.0 and np.isfinite(inverse) else 0.0
+    growth = float(np.abs(solve((1.0 - 2.0 * (k % 2)) * (1.0 + k / max(size - 1, 1)))).sum()) / (1.5 * size)
+    return 1.0 / (norm * growth) if norm * growth > 0.0 and np.isfinite(growth) else 0.0

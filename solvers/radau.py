@@ -10,12 +10,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .coefficients import lagrange, tableau
+from .coefficients import tableau
 from .formats import Singular
 from .linear import Linear
 from .protocol import Attempt, State
 from .stages import Linearised, Middle, StageEquations, Stages
-from .start import Inconsistent, mass_factor, project_positions, project_velocities
+from .start import Inconsistent, hermite, project_positions, project_samples, project_velocities
 from .system import Array, System
 
 NEWTON = 0.01
@@ -45,7 +45,7 @@ class Radau:
     def integrator(self, rtol: float) -> RadauIIA:
         """The method for a tolerance."""
         stages = self.stages or (3 if rtol > 3e-4 else 5 if rtol > 3e-8 else 7)
-        return RadauIIA(stages, self.step)
+        return RadauIIA(stages, self.step, rtol)
 
 
 class Memory(NamedTuple):
@@ -56,14 +56,14 @@ class Memory(NamedTuple):
     v0: Array
     stress0: Array
     stages: Stages
-    count: int
+    count: int  # type: ignore[assignment]
 
 
 class RadauIIA:
-    """The s-stage method. ``fixed`` is its step, or None."""
+    """The s-stage method. ``fixed`` is its step, or None; ``rtol`` serves values inside of steps."""
 
-    def __init__(self, stages: int, fixed: float | None = None):
-        self.table, self.fixed = tableau(stages), fixed
+    def __init__(self, stages: int, fixed: float | None = None, rtol: float = 1e-6):
+        self.table, self.fixed, self.rtol = tableau(stages), fixed, rtol
         self.name = f"Radau IIA, {stages} stages (order {self.table.order})"
         self.iterations = 8 + stages
 
@@ -162,13 +162,49 @@ class RadauIIA:
         return size / tolerance
 
     def inside(self, system: System, linear: Linear, before: State, after: State, times: Array) -> tuple[Array, Array]:
-        """q, v [n_t, n] at times within a step: the step solved once more with so many stages that its polynomial is as accurate inside
-        as this method is at the end (collocation with s stages has order s + 1 inside, 2 s - 1 at the end)."""
+        """q, v [n_t, n] at times within a step: the step is solved once more, with so many stages that its polynomial is as accurate inside
+        as this method is at the end (collocation has order s + 1 inside, 2 s - 1 at the end)."""
         h = after.t - before.t
-        fine = RadauIIA(min(2 * self.table.stages - 1, 11))
-        guess = before._replace(memory=None) if after.memory is None else before._replace(memory=None)
-        del guess
-        raise NotImplementedError
+        fine = RadauIIA(min(2 * self.table.stages - 1, 11), rtol=self.rtol)
+        found = fine._resolve(system, linear, before, after)
+        if found is None:
+            return self._halves(system, linear, before, after, times)
+        wide = fine.table.extend((times - before.t) / h, with_start=True)
+        q, v = before.q + wide[:, 1:] @ found.dq, wide[:, :1] * before.v + wide[:, 1:] @ found.v
+        return (q, v) if system.joints.linear else project_samples(system, linear, q, v)
+
+    def _resolve(self, system: System, linear: Linear, before: State, after: State) -> Stages | None:
+        """The stages of the step from before to after, starting from the cubic between them; None where they do not converge."""
+        h, c = after.t - before.t, self.table.c
+        q, v = hermite(before, after, c)
+        between = c[:, None]
+        guess = Stages(
+            q - before.q,
+            v,
+            (1.0 - between) * before.multipliers + between * after.multipliers,
+            np.zeros((c.size, system.m)),
+            (1.0 - between) * before.stress + between * after.stress,
+        )
+        equations = StageEquations(system, self.table, h, before.q, before.v, system.inputs(before.t + c * h))
+        try:
+            middle = self._middle(equations, guess)
+            found = self._iterate(equations, linear, guess, middle, self.rtol * system.length, system.inputs(before.t + 0.5 * h))
+        except Singular:
+            return None
+        return None if isinstance(found, Attempt) else found[0]
+
+    def _halves(self, system: System, linear: Linear, before: State, after: State, times: Array) -> tuple[Array, Array]:
+        """The same in two shorter steps, where the long one does not converge with more stages."""
+        h = after.t - before.t
+        half = self.step(system, linear, before, 0.5 * h, self.rtol * system.length).state
+        if half is None or h < 1e-9 * max(abs(after.t), h):
+            raise ArithmeticError(f"no interpolation between {before.t:.9g} and {after.t:.9g} s: the step does not converge a second time")
+        early = times <= half.t
+        q, v = np.empty((times.size, system.n)), np.empty((times.size, system.n))
+        for part, (a, b) in ((early, (before, half)), (~early, (half, after))):
+            if part.any():
+                q[part], v[part] = self.inside(system, linear, a, b, times[part])
+        return q, v
 
     def first_step(self, system: System, state: State, acceleration: Array, span: float, tolerance: float) -> float:
         """A step over which accelerations move things by a modest part of the length."""

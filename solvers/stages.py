@@ -50,31 +50,29 @@ class Linearised:
     """Derivatives at the middle of a step, factorised for all eigenvalues. Raises Singular."""
 
     def __init__(self, system: System, linear: Linear, table: Tableau, h: float, middle: Middle, inputs: Any):
-        self.system, self.table, self.h = system, table, h
+        self.system, self.linear, self.table = system, linear, table
         self.joints = system.joints.at(middle.q)
         self.strains = system.strains(middle.q) if system.n_stresses else None
         self.v = middle.v
         stiffness = system.stiffness(middle.q, middle.v, inputs, middle.stress, middle.multipliers)
         damping = None if system.viscosity is None else system.damping(middle.q)
         self.tangent: Tangent = linear.tangent(self.joints.gradient, stiffness, damping)
-        self.z = table.eigenvalues / h
-        self.factors = [
-            linear.factor(self.tangent, z * z, z, 1.0) for z in [*self.z[: table.real].real, *self.z[table.real :]]
-        ]
+        z = table.eigenvalues / h
+        self.factors = [linear.factor(self.tangent, x * x, x, 1.0) for x in (*z[: table.real].real, *z[table.real :])]
         self.mass_factor = None if system.joints.linear else linear.factor(self.tangent)
 
     def solve(self, top: Array, bottom: Array) -> tuple[Array, Array]:
         """The stage system: right sides [s, n] and [s, m], all eigenvalues."""
-        t = self.table
-        dq, y = np.zeros_like(top), np.zeros_like(bottom)
+        t, linear = self.table, self.linear
+        hat = t.into_parts @ linear.enter(top, bottom)
+        x = np.empty_like(hat)
         if t.real:
-            x, multiplier = self.factors[0].solve((t.into_real @ top)[0], (t.into_real @ bottom)[0])
-            dq, y = t.back_real * x, t.back_real * multiplier
+            x[0] = self.factors[0].solve_scaled(hat[0])
         for k, factor in enumerate(self.factors[t.real :]):
-            x, multiplier = factor.solve(t.into_complex[k] @ top, t.into_complex[k] @ bottom)
-            column = t.back_complex[:, k : k + 1]
-            dq, y = dq + (column * x).real, y + (column * multiplier).real
-        return dq, y
+            re = t.real + 2 * k
+            pair = factor.solve_scaled(hat[re] + 1j * hat[re + 1])
+            x[re], x[re + 1] = pair.real, pair.imag
+        return linear.leave(t.back_parts @ x)
 
     def pull(self, stress: Array) -> Array:
         return self.strains.pull(stress) if self.strains is not None else np.zeros((len(stress), self.system.n))

@@ -13,6 +13,7 @@ import numpy as np
 
 from .formats import Singular
 from .linear import Factor, Linear
+from .protocol import State
 from .system import Array, System
 
 CONSISTENT = 1e-13
@@ -36,11 +37,6 @@ class Inconsistent(ArithmeticError):
     def __init__(self, defect: Defect):
         self.defect = defect
         super().__init__(defect.what)
-
-
-def speed_scale(system: System, v: Array) -> float:
-    """[length/time] the fastest coordinate, levers included."""
-    return float(np.max(np.abs(v) * system.levers, initial=0.0))
 
 
 def mass_factor(system: System, linear: Linear, q: Array) -> Factor:
@@ -70,13 +66,37 @@ def project_positions(system: System, linear: Linear, q: Array, *, factor: Facto
     raise Inconsistent(Defect(f"positions cannot satisfy them together (a distance of {worst:.6g} remains)", stuck, []))
 
 
-def project_velocities(system: System, factor: Factor, q: Array, v: Array) -> Array:
-    """v with G v = 0."""
-    joints = system.joints.at(q)
-    for _ in range(2):
-        change, _ = factor.solve(np.zeros(system.n), -joints.push(v))
-        v = v + change
+def project_velocities(system: System, factor: Factor, q: Array, v: Array, *, sweeps: int = 8) -> Array:
+    """v with G v = 0, by the mass KKT matrix at q or near it; what remains shows in an audit."""
+    joints, reach = system.joints.at(q), factor.linear.reach
+    floor = CONSISTENT * float(np.max(np.abs(v) * system.levers, initial=0.0))
+    best = np.inf
+    for _ in range(sweeps):
+        slip = joints.push(v)
+        worst = float(np.max(np.abs(slip) * reach, initial=0.0))
+        if worst <= floor or worst >= best:
+            break
+        best = worst
+        v = v + factor.solve(np.zeros(system.n), -slip)[0]
     return v
+
+
+def project_samples(system: System, linear: Linear, q: Array, v: Array) -> tuple[Array, Array]:
+    """q, v [k, n] near the joints, each projected to them."""
+    q, v = q.copy(), v.copy()
+    for k in range(len(q)):
+        q[k] = project_positions(system, linear, q[k])
+        v[k] = project_velocities(system, mass_factor(system, linear, q[k]), q[k], v[k])
+    return q, v
+
+
+def hermite(before: State, after: State, fraction: Array) -> tuple[Array, Array]:
+    """q, v [k, n] on the cubic between two states, at fractions [k] of the step."""
+    x, h = fraction[:, None], after.t - before.t
+    jump = after.q - before.q
+    q = before.q + (3.0 * x**2 - 2.0 * x**3) * jump + h * ((x - 2.0 * x**2 + x**3) * before.v + (x**3 - x**2) * after.v)
+    v = (6.0 * x - 6.0 * x**2) * jump / h + (1.0 - 4.0 * x + 3.0 * x**2) * before.v + (3.0 * x**2 - 2.0 * x) * after.v
+    return q, v
 
 
 def accelerations(system: System, factor: Factor, q: Array, v: Array, inputs: Any) -> tuple[Array, Array]:
