@@ -180,7 +180,7 @@ class Body:
         model.weight(self.rows[None, :1], np.array([[mass]]))
         for i, a in enumerate(axes):
             for j in range(i, len(axes)):
-                model.equation(self.name, f"axes {i + 1} and {j + 1}", dot(a, axes[j], float(i == j), 0.5 if i == j else 1.0))
+                model.equation(self.name, f"axes {i + 1} and {j + 1}", dot(a, axes[j], float(i == j), 0.5 if i == j else 1.0), internal=True)
 
 
 def _frame_along(axis: Array) -> Array:

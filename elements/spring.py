@@ -119,13 +119,20 @@ class PlacedTorsionSpring:
 
     def __init__(self, description: TorsionSpring, site: Site):
         self.description, self.name, self.site = description, site.name, site
-        self.turn = site.scalar(0.0, 0.0, "turn")
+        self.turn = site.scalar(0.0, _turning(description.a, site) - _turning(description.b, site), "turn")
 
     def assemble(self, model: Model) -> None:
         s = self.description
         model.turn(self.name, s.a.axes[0], s.b.axes[0], self.turn)
         numbers = {"stiffness": np.array([float(s.stiffness)]), "damping": np.array([float(s.damping)])}
         model.strain(Twist, (), [self.name], turn=np.array([self.turn]), angle=np.array([float(s.angle)]), **numbers)
+
+
+def _turning(marker: Marker, site: Site) -> float:
+    """The angular velocity of a planar marker's axis at the start."""
+    q, v = site.scene.layout.start()
+    axis, rate = marker.axes[0].value(q), marker.axes[0].rate(v)
+    return float((axis[0] * rate[1] - axis[1] * rate[0]) / (axis @ axis))
 
 
 class Stretch:

@@ -20,14 +20,14 @@ if not (_here / "elements").is_dir():
 
 if TYPE_CHECKING:
     from .archive import load
-    from .assemble import assemble
+    from .assembly import assemble
     from .elements import AncfCable, Force, Particle, RigidBody, Spring, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
     from .joints import Ball, Clamp, Distance, Pin
     from .marker import Marker
     from .result import Result
     from .scene import Scene
-    from .simulate import simulate
+    from .run import simulate
     from .solvers import GeneralizedAlpha, Radau
     from .state import State
 
@@ -40,8 +40,8 @@ _HOMES = {
     "archive": ("load",),
     "result": ("Result",),
     "scene": ("Scene",),
-    "assemble": ("assemble",),
-    "simulate": ("simulate",),
+    "assembly": ("assemble",),
+    "run": ("simulate",),
     "state": ("State",),
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names}

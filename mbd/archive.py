@@ -28,10 +28,11 @@ import numpy as np
 
 from . import __version__, solvers
 from .affine import Array
-from .assemble import Assembly, Correction, consistent
+from .assembly import Assembly, Correction, consistent
 from .descriptions import described, functions, rebuilt
 from .errors import SceneWarning, SimulationError
 from .result import Result, Trajectory
+from .solvers.generalized_alpha import ChungHulbert
 from .solvers.protocol import State as SolverState
 from .state import State
 from .system import System
@@ -88,6 +89,9 @@ def _head(result: Result) -> dict[str, Any]:
 
 def _solver(method: Any) -> dict[str, Any]:
     """The public name of an integrator, and the fields that make it."""
+    if isinstance(method, ChungHulbert):
+        rho_inf = round(method.alpha_f / (1.0 - method.alpha_f), 12)
+        return {"class": "GeneralizedAlpha", "fields": {"step": method.fixed, "rho_inf": rho_inf, "index": method.index}}
     return {"class": "Radau", "fields": {"stages": method.table.stages, "step": method.fixed}}
 
 

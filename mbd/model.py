@@ -29,6 +29,7 @@ class Model:
         self.weights = np.zeros((layout.n_rows, layout.dimension))
         self.dead_forces = np.zeros(self.n)
         self.equations: list[tuple[str, str, Row]] = []
+        self.internal: set[str] = set()
         self.turns: list[tuple[str, tuple[Affine, Affine, int]]] = []
         self.strains: dict[tuple[type, tuple], list[dict[str, Any]]] = {}
         self.loads: dict[tuple[type, tuple], list[dict[str, Any]]] = {}
@@ -46,9 +47,11 @@ class Model:
         """A constant force [d] at a point."""
         np.add.at(self.dead_forces, point.columns(), point.matrix().T @ force)
 
-    def equation(self, item: str, label: str, row: Row) -> None:
-        """A constraint g(q) = 0 of an item."""
+    def equation(self, item: str, label: str, row: Row, *, internal: bool = False) -> None:
+        """A constraint g(q) = 0 of a joint, or an internal one of a body."""
         self.equations.append((item, label, row))
+        if internal:
+            self.internal.add(item)
 
     def turn(self, item: str, a: Affine, b: Affine, phi: int) -> None:
         """phi follows the angle from axis b to axis a since the start."""

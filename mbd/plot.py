@@ -103,7 +103,7 @@ def animate(result: Result, path: str | os.PathLike[str] | None = None, *, fps: 
         title.set_text(f"t = {times[k]:.3f} s")
         return [*drawn, title]
 
-    film = FuncAnimation(ax.figure, show, frames=len(times), interval=1000.0 / fps)
+    film: Any = FuncAnimation(ax.figure, show, frames=len(times), interval=1000.0 / fps)
     if path is not None:
         film.save(os.fspath(path), writer="pillow" if os.fspath(path).endswith(".gif") else "ffmpeg", fps=fps)
     return film
@@ -143,7 +143,7 @@ def _spread(result: Result, count: int) -> Array:
 
 
 def _layers(outline: Outline) -> list[tuple[list[Line], dict[str, Any]]]:
-    layers = [
+    layers: list[tuple[list[Line], dict[str, Any]]] = [
         (outline.solid, {"linestyle": "-"}),
         (outline.dashed, {"linestyle": "--", "linewidth": 0.8}),
         (outline.dots, {"linestyle": "", "marker": "o", "markersize": 4}),

@@ -18,7 +18,7 @@ from .state import State
 from .system import System
 
 if TYPE_CHECKING:
-    from .assemble import Assembly
+    from .assembly import Assembly
     from .scene import Scene
 
 
@@ -46,7 +46,7 @@ class Trajectory:
     def at(self, system: System, times: Array) -> tuple[Array, Array]:
         """q, v [..., n] at times within the run: by the method's own interpolation, projected to the joints."""
         flat = times.ravel()
-        if np.any(flat < self.t[0]) or np.any(flat > self.t[-1]):
+        if not np.all((flat >= self.t[0]) & (flat <= self.t[-1])):
             raise ValueError(f"t: expected times between {self.t[0]:g} and {self.t[-1]:g} s, found {flat.min():g} to {flat.max():g}")
         q, v = np.empty((flat.size, self.q.shape[1])), np.empty((flat.size, self.q.shape[1]))
         step = np.clip(np.searchsorted(self.t, flat, side="left"), 1, max(len(self.t) - 1, 1)) - 1
@@ -58,7 +58,10 @@ class Trajectory:
     def _inside(self, system: System, k: int, times: Array) -> tuple[Array, Array]:
         if len(self.t) == 1:
             return np.repeat(self.q, times.size, axis=0), np.repeat(self.v, times.size, axis=0)
-        q, v = self.method.inside(system, self.linear, self.states[k], self.states[k + 1], times)
+        q, v = np.empty((times.size, self.q.shape[1])), np.empty((times.size, self.q.shape[1]))
+        between = (times != self.t[k]) & (times != self.t[k + 1])
+        if between.any():
+            q[between], v[between] = self.method.inside(system, self.linear, self.states[k], self.states[k + 1], times[between])
         for end in (k, k + 1):
             exact = times == self.t[end]
             q[exact], v[exact] = self.q[end], self.v[end]
@@ -243,7 +246,7 @@ class Audit:
         relative = f" ({self.energy_error / self.energy_scale:.1e} of {self.energy_scale:.4g} J exchanged)" if self.energy_scale > 0.0 else ""
         return (
             f"joints: positions within {self.position_drift:.1e} of the length, velocities within {self.velocity_drift:.1e} of the speed\n"
-            f"energy: balanced within {self.energy_error:.1e} J{relative}; loads and dampers did {self.work:.6g} J of work"
+            f"energy: balanced within {self.energy_error:.1e} J{relative}" + (f"; loads and dampers did {self.work:.6g} J of work" if self.work else "")
         )
 
 

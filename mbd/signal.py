@@ -32,7 +32,7 @@ class Signal:
         """[..., *shape] for times [...]."""
         if self.function is None:
             return np.broadcast_to(np.asarray(self.constant), (*times.shape, *self.shape))
-        return np.array([self._call(float(t)) for t in times.ravel()]).reshape(*times.shape, *self.shape)
+        return np.array([self._call(float(t)) for t in times.ravel()]).reshape((*times.shape, *self.shape))
 
     def _call(self, t: float) -> Array:
         assert self.function is not None

@@ -37,6 +37,7 @@ class System:
         self.constant_force = self.weight + self.dead
         self._compile_mass(model)
         self.joints = Joints(model)
+        self.internal = model.internal
         self.m = self.joints.m
         self.measures = build(model.strains)
         sizes = [kernel.modulus.size for kernel in self.measures]

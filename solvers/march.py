@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from .linear import Linear
 from .protocol import Attempt, Integrator, State
-from .system import Array, System
+from .system import System
 
 SAFETY, SHRINK, GROW = 0.85, 0.2, 5.0
 CONTRACTION = 0.35

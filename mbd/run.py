@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .affine import Array
-from .assemble import Assembly, announce, consistent
+from .assembly import Assembly, announce, consistent
 from .errors import SceneError, SimulationError
 from .result import Result, Trajectory
 from .state import State
@@ -89,7 +89,8 @@ def _run(
     trouble: SimulationError | None = None
     try:
         h = method.first_step(system, first, a, t_end - begin.t, tolerance)
-        march(system, linear, method, record, t_end, tolerance, h, work=_work(system), watch=bar)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # a diverging iteration is detected and rejected
+            march(system, linear, method, record, t_end, tolerance, h, work=_work(system), watch=bar)
     except SimulationError as error:
         trouble = error
     except KeyboardInterrupt:

@@ -95,7 +95,8 @@ def _redundant(system: System, linear: Linear, defect: object) -> list[str]:
         where = _names([system.owners[k][0] for k in defect.coordinates])
         raise SceneError([f"{where}: expected inertia or joints for every coordinate, found {defect.what}; give it mass or hold it by a joint"])
     linear.soften()
-    return list(dict.fromkeys(system.label(row) for row in defect.rows))
+    names = list(dict.fromkeys(system.label(row) for row in defect.rows))
+    return [name for name in names if name not in system.internal] or names
 
 
 def _conflict(system: System, rows: list[int], what: str) -> str:
@@ -136,7 +137,7 @@ def announce(assembly: Assembly) -> None:
             f"redundant joints {_names(list(assembly.redundant))}: some of their equations follow from the others; "
             "the scene runs, its multipliers are those of least norm",
             SceneWarning,
-            stacklevel=4,
+            stacklevel=3,
         )
     if assembly.corrections:
-        warnings.warn("the start was not consistent and has been corrected: " + "; ".join(map(str, assembly.corrections)), SceneWarning, stacklevel=4)
+        warnings.warn("the start was not consistent and has been corrected: " + "; ".join(map(str, assembly.corrections)), SceneWarning, stacklevel=3)
