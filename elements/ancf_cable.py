@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mbd import validate
 from mbd.affine import Affine
+from mbd.errors import SceneError
 from mbd.marker import Marker
 
 from .continuum import Continuum
@@ -77,6 +78,8 @@ class AncfCable:
                 shape = [f"length: expected elements longer than zero, found {validate.show(chords)} [m]; move the nodes or ends apart"]
             elif np.any(np.linalg.norm(tangents, axis=1) == 0.0):
                 shape = ["tangents: expected vectors dr/ds, found a zero one; give directions of unit length"]
+            elif (back := np.flatnonzero(_backward(nodes, tangents))).size:
+                shape = [f"tangents: expected directions along the elements, found one against them at node {back[0]}; turn it, or give more nodes"]
             elif (dimension == 3 or self.elasticity == "local_frame") and not _straight(nodes, tangents):
                 spatial, chord = "a cable without torsion has no frame to carry its rest curvature", "the chord-frame element is straight at rest"
                 why = spatial if dimension == 3 else chord
@@ -87,8 +90,6 @@ class AncfCable:
         found = [line for name in ("E", "A", "I", "rho") for line in validate.number(name, getattr(self, name), positive=True)]
         found += validate.number("damping", self.damping, negative_allowed=False)
         found += validate.count("gauss_points", self.gauss_points, least=3)
-        if self.nodes is None or self.n_elements is not None:
-            found += validate.count("n_elements", self.n_elements)
         return found
 
     def _faulty_words(self, dimension: int) -> list[str]:
@@ -104,9 +105,10 @@ class AncfCable:
         if self.nodes is None:
             if self.tangents is not None:
                 return ["tangents: expected nodes beside them, found none; give nodes=[...]"]
-            return [line for name in ("start", "end") for line in validate.vector(name, getattr(self, name), dimension)] + validate.count(
-                "n_elements", self.n_elements
-            )
+            wrong = [validate.vector(name, getattr(self, name), dimension) for name in ("start", "end")]
+            if all(np.shape(getattr(self, name)) == (5 - dimension,) for name in ("start", "end")):
+                wrong.pop()  # planar in a spatial scene or the other way round
+            return [line for lines in wrong for line in lines] + validate.count("n_elements", self.n_elements)
         if self.start is not None or self.end is not None:
             return ["nodes: expected either start and end or nodes, found both; leave one out"]
         nodes = self.nodes
@@ -157,7 +159,7 @@ class Cable:
     def at(self, s: float) -> Marker:
         """The marker at the fraction s in [0, 1] of the reference arc length."""
         if not 0.0 <= s <= 1.0:
-            raise ValueError(f"{self.name}.at({s!r}): expected a fraction of the arc length between 0 and 1")
+            raise SceneError([f"cable {self.name!r}: at: expected a fraction of the arc length between 0 and 1, found {s!r}; correct it"])
         ends = np.concatenate(([0.0], np.cumsum(self.lengths)))
         element = int(np.clip(np.searchsorted(ends, s * ends[-1], side="right") - 1, 0, len(self.lengths) - 1))
         length = self.lengths[element]
@@ -252,6 +254,13 @@ def _arc_parameter(nodal: Array, length: float, fraction: float) -> float:
         if abs(change) < 1e-15:
             break
     return xi
+
+
+def _backward(nodes: Array, tangents: Array) -> NDArray[np.bool_]:
+    """[n + 1]: nodes whose tangent makes more than a right angle with a chord beside it."""
+    chords = np.diff(nodes, axis=0)
+    along = np.sum(chords * tangents[:-1], axis=1) < 0.0, np.sum(chords * tangents[1:], axis=1) < 0.0
+    return np.append(along[0], False) | np.append(False, along[1])
 
 
 def _straight(nodes: Array, tangents: Array) -> bool:

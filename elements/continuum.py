@@ -97,6 +97,8 @@ class ContinuumAt:
             self.square += square[..., 2, :, :]
         self.stretched = np.sqrt(self.square)
         self.per = 1.0 / (self.square * kernel.rest_length)
+        self.along = self.stretched * self.per
+        self.twice = 2.0 / self.square
         self.curvature = _cross(self.x, self.y) * self.per[..., None, :, :]
 
     @property
@@ -119,10 +121,10 @@ class ContinuumAt:
         k = self.kernel
         axial, moment = stress[..., 0, :, :], stress[..., 1:, :, :]
         turning = moment * self.per[..., None, :, :]
-        along = axial * self.stretched * self.per - 2.0 * self._work(moment) / self.square
+        along = axial * self.along - self._work(moment) * self.twice
         on_x = along[..., None, :, :] * self.x + _turn(self.y, turning)
         local = (on_x @ k.by_x.T - _turn(self.x, turning) @ k.by_y.T) * k.scale
-        return np.moveaxis(local, -3, -2).reshape(*local.shape[:-3], k.items, -1)
+        return np.swapaxes(local, -3, -2).reshape(*local.shape[:-3], k.items, -1)
 
     def push(self, change: Array) -> Array:
         """B dq [..., 1 + c, n, g] from dq [..., n_coordinates]."""
@@ -133,16 +135,16 @@ class ContinuumAt:
         if k.dimension == 3:
             along = along + product[..., 2, :, :]
         out = np.empty((*along.shape[:-2], 1 + k.components, k.items, k.points))
-        np.multiply(along, self.stretched * self.per, out=out[..., 0, :, :])
+        np.multiply(along, self.along, out=out[..., 0, :, :])
         bend = (_cross(dx, self.y) + _cross(self.x, dy)) * self.per[..., None, :, :]
-        np.subtract(bend, 2.0 * self.curvature * (along / self.square)[..., None, :, :], out=out[..., 1:, :, :])
+        np.subtract(bend, self.curvature * (along * self.twice)[..., None, :, :], out=out[..., 1:, :, :])
         return out
 
     def _gradient(self) -> Array:
         """Strains by (x, y): [..., 1 + c, 2, d, n, g]."""
         k = self.kernel
         out = np.zeros((*self.square.shape[:-2], 1 + k.components, 2, k.dimension, k.items, k.points))
-        out[..., 0, 0, :, :, :] = self.x * (self.stretched * self.per)[..., None, :, :]
+        out[..., 0, 0, :, :, :] = self.x * self.along[..., None, :, :]
         for c in range(k.components):
             s = np.zeros((*self.square.shape[:-2], k.components, k.items, k.points))
             s[..., c, :, :] = self.per
@@ -161,7 +163,7 @@ class ContinuumAt:
         xx, eye = x[..., :, None, :, :] * x[..., None, :, :, :], np.eye(d)[:, :, None, None]
         mixed = turned[..., :, None, :, :] * x[..., None, :, :, :]
         work = self._work(moment)[..., None, None, :, :] / wide
-        axial = (stress[..., 0, :, :] * self.stretched * self.per)[..., None, None, :, :]
+        axial = (stress[..., 0, :, :] * self.along)[..., None, None, :, :]
         out = np.zeros((*mixed.shape[:-4], 2, d, 2, d, *mixed.shape[-2:]))
         out[..., 0, :, 0, :, :, :] = (
             (axial - 2.0 * work) * eye + (8.0 * work - axial) * (xx / wide) - 2.0 * (mixed + np.swapaxes(mixed, -4, -3)) / wide

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mbd import validate
 from mbd.affine import Affine
+from mbd.errors import SceneError
 from mbd.marker import Marker
 from mbd.rows import dot
 
@@ -62,9 +63,12 @@ class RigidBody:
         a, b = validate.floats(start), validate.floats(end)
         if not (isinstance(a, np.ndarray) and isinstance(b, np.ndarray) and a.shape == b.shape and a.shape in ((2,), (3,))):
             return cls(mass=mass, inertia=1.0, position=start if not isinstance(a, np.ndarray) or a.shape not in ((2,), (3,)) else end, **motion)
-        axis, m = b - a, float(mass)
-        length = float(np.linalg.norm(axis))
-        across = m * length**2 / 12.0
+        length = float(np.linalg.norm(b - a))
+        axis = b - a if 0.0 < length < np.inf else np.eye(a.size)[0]  # other lengths and a wrong mass are complained of once, not as inertia
+        m, wrong = _mass(mass), validate.number("radius", validate.floats(radius), negative_allowed=False)
+        if wrong:
+            raise SceneError([f"body {motion.get('name')!r}: {line}" for line in wrong])
+        across = m * float(axis @ axis) / 12.0
         if a.size == 2:
             pose: dict[str, Any] = {"inertia": across, "angle": np.arctan2(axis[1], axis[0])}
         else:
@@ -75,12 +79,17 @@ class RigidBody:
     @classmethod
     def box(cls, size: Sequence[float], *, mass: float, position: ArrayLike, **motion: Any) -> RigidBody:
         """A uniform rectangle (planar) or cuboid (spatial) with edges size [d] [m] along the body axes."""
-        edges, m = np.array(size, dtype=float), float(mass)
+        edges, m = validate.floats(size), _mass(mass)
+        if not (isinstance(edges, np.ndarray) and edges.shape in ((2,), (3,)) and np.isfinite(edges).all() and np.all(edges > 0.0)):
+            what = f"size: expected two (planar) or three (spatial) positive edges, found {validate.show(edges)}; correct it"
+            raise SceneError([f"body {motion.get('name')!r}: {what}"])
         inertia = m * (edges @ edges - edges**2) / 12.0 if edges.size == 3 else m * (edges @ edges) / 12.0
         return cls(mass=mass, inertia=inertia, position=position, **motion)
 
     def faults(self, dimension: int) -> list[str]:
         found = validate.number("mass", self.mass, positive=True) + validate.vector("position", self.position, dimension)
+        if np.shape(self.position) == (5 - dimension,):
+            return found  # planar in a spatial scene or the other way round: all the rest would be wrong too
         if self.velocity is not None:
             found += validate.vector("velocity", self.velocity, dimension)
         if self.length is not None and self.length <= 0.0:
@@ -167,7 +176,8 @@ class Body:
         """The marker at (x, y[, z]) [m] in body axes from the mass centre; without numbers, the mass centre."""
         d = self.description.position.size
         if len(point) not in (0, d):
-            raise ValueError(f"{self.name}.at{point}: expected {d} numbers, metres in body axes from the mass centre")
+            what = f"at: expected {d} numbers, metres in body axes from the mass centre, found {point}; correct it"
+            raise SceneError([f"body {self.name!r}: {what}"])
         arm = np.array(point or np.zeros(d), dtype=float)
         weights = [complex(*arm)] if d == 2 else list(arm)
         return Marker(self.name, self.site.scene, Affine.of(self.rows, [1.0, *weights], d), self.axes, rigid=True)
@@ -181,6 +191,12 @@ class Body:
         for i, a in enumerate(axes):
             for j in range(i, len(axes)):
                 model.equation(self.name, f"axes {i + 1} and {j + 1}", dot(a, axes[j], float(i == j), 0.5 if i == j else 1.0), internal=True)
+
+
+def _mass(value: Any) -> float:
+    """The mass for computing moments; 1 for a wrong one, which is complained of as a mass."""
+    mass = validate.floats(value)
+    return 1.0 if validate.number("mass", mass, positive=True) else float(mass)
 
 
 def _frame_along(axis: Array) -> Array:

@@ -31,11 +31,12 @@ from .affine import Array
 from .assembly import Assembly, Correction, consistent
 from .descriptions import described, functions, rebuilt
 from .errors import SceneWarning, SimulationError
-from .result import Result, Trajectory
+from .result import Result
 from .solvers.generalized_alpha import ChungHulbert
 from .solvers.protocol import State as SolverState
 from .state import State
 from .system import System
+from .trajectory import Trajectory
 
 FORMAT, VERSION = "mbd result", 1
 STATE = tuple(name for name in SolverState._fields if name != "memory")

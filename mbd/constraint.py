@@ -135,9 +135,9 @@ class Quadratic:
         return g
 
     def gradient(self, z: Array) -> Array:
-        """Values of G [..., nnz] on the pattern (rows, cols)."""
+        """Values of G [..., nnz] on the pattern (rows, cols); [nnz] where they are constant."""
         if self.linear:
-            return np.broadcast_to(self.fixed, (*z.shape[:-1], self.fixed.size))
+            return self.fixed
         values = np.empty((*z.shape[:-1], self.fixed.size))
         values[...] = self.fixed
         values[..., self.by_slot.keys] += self._varying(z)

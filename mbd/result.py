@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -12,60 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .affine import Array
+from .audit import Audit, audit
 from .marker import Marker
 from .reaction import reaction
 from .state import State
 from .system import System
+from .trajectory import Trajectory
 
 if TYPE_CHECKING:
     from .assembly import Assembly
     from .scene import Scene
-
-
-@dataclass(frozen=True, eq=False)
-class Trajectory:
-    """The accepted steps of a run, and the method that can fill in between them.
-
-    t [k], q, v [k, n], work [k] of loads and dampers since the start [J], states as the solver left them.
-    """
-
-    t: Array
-    q: Array
-    v: Array
-    work: Array
-    states: Sequence[Any]
-    method: Any
-    linear: Any
-
-    @classmethod
-    def of(cls, record: Any, method: Any, linear: Any) -> Trajectory:
-        states = record.states
-        t, q, v = (np.array([getattr(state, name) for state in states]) for name in "tqv")
-        return cls(t, q, v, np.array(record.work), states, method, linear)
-
-    def at(self, system: System, times: Array) -> tuple[Array, Array]:
-        """q, v [..., n] at times within the run: by the method's own interpolation, projected to the joints."""
-        flat = times.ravel()
-        if not np.all((flat >= self.t[0]) & (flat <= self.t[-1])):
-            raise ValueError(f"t: expected times between {self.t[0]:g} and {self.t[-1]:g} s, found {flat.min():g} to {flat.max():g}")
-        q, v = np.empty((flat.size, self.q.shape[1])), np.empty((flat.size, self.q.shape[1]))
-        step = np.clip(np.searchsorted(self.t, flat, side="left"), 1, max(len(self.t) - 1, 1)) - 1
-        for k in np.unique(step):
-            here = np.flatnonzero(step == k)
-            q[here], v[here] = self._inside(system, int(k), flat[here])
-        return q.reshape(*times.shape, -1), v.reshape(*times.shape, -1)
-
-    def _inside(self, system: System, k: int, times: Array) -> tuple[Array, Array]:
-        if len(self.t) == 1:
-            return np.repeat(self.q, times.size, axis=0), np.repeat(self.v, times.size, axis=0)
-        q, v = np.empty((times.size, self.q.shape[1])), np.empty((times.size, self.q.shape[1]))
-        between = (times != self.t[k]) & (times != self.t[k + 1])
-        if between.any():
-            q[between], v[between] = self.method.inside(system, self.linear, self.states[k], self.states[k + 1], times[between])
-        for end in (k, k + 1):
-            exact = times == self.t[end]
-            q[exact], v[exact] = self.q[end], self.v[end]
-        return q, v
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,48 +178,6 @@ class Result:
         from .plot import animate
 
         return animate(self, path, fps=fps, speed=speed)
-
-
-@dataclass(frozen=True)
-class Audit:
-    """What a run did to the quantities that should stay: largest values over all accepted steps.
-
-    position_drift   |g| as a length, relative to the scene's length
-    velocity_drift   |G v|, relative to the largest speed
-    energy_error     |energy - energy at the start - work of loads and dampers| [J]
-    energy_scale     the largest energy exchanged [J]
-    work             of loads and dampers over the run [J]
-    """
-
-    position_drift: float
-    velocity_drift: float
-    energy_error: float
-    energy_scale: float
-    work: float
-
-    def __str__(self) -> str:
-        relative = f" ({self.energy_error / self.energy_scale:.1e} of {self.energy_scale:.4g} J exchanged)" if self.energy_scale > 0.0 else ""
-        return (
-            f"joints: positions within {self.position_drift:.1e} of the length, velocities within {self.velocity_drift:.1e} of the speed\n"
-            f"energy: balanced within {self.energy_error:.1e} J{relative}" + (f"; loads and dampers did {self.work:.6g} J of work" if self.work else "")
-        )
-
-
-def audit(system: System, trajectory: Trajectory) -> Audit:
-    """The audit of a trajectory."""
-    q, v = trajectory.q, trajectory.v
-    joints, reach = system.joints.at(q), trajectory.linear.reach
-    speed = max(float(np.max(np.abs(v) * system.levers, initial=0.0)), 1e-300)
-    kinetic, elastic, potential = system.kinetic(v), system.elastic(q), system.potential(q)
-    balance = kinetic + elastic + potential - trajectory.work
-    exchanged = max(float(np.ptp(part)) for part in (kinetic, elastic, potential))
-    return Audit(
-        float(np.max(np.abs(joints.value) * reach, initial=0.0)) / system.length,
-        float(np.max(np.abs(joints.push(v)) * reach, initial=0.0)) / speed,
-        float(np.max(np.abs(balance - balance[0]))),
-        exchanged,
-        float(trajectory.work[-1]),
-    )
 
 
 def _marker(marker: Any) -> Marker:

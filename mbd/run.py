@@ -12,9 +12,10 @@ from numpy.typing import ArrayLike
 from .affine import Array
 from .assembly import Assembly, announce, consistent
 from .errors import SceneError, SimulationError
-from .result import Result, Trajectory
+from .result import Result
 from .state import State
 from .system import System
+from .trajectory import Trajectory
 
 if TYPE_CHECKING:
     from .scene import Scene

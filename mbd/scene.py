@@ -33,7 +33,7 @@ class Scene:
         if not good:
             found = validate.show(self.gravity)
             self._complaints.append(f"scene: gravity: expected two (planar) or three (spatial) finite numbers, found {found}; correct it")
-            self.gravity = np.zeros(2)
+            self.gravity = np.zeros(3 if np.shape(self.gravity) == (3,) else 2)
         self.dimension = int(self.gravity.size)
         self.layout = Layout(self.dimension)
         self.ground = Ground(self)
@@ -90,15 +90,22 @@ class Scene:
     def _faulty_markers(self, markers: tuple[Any, ...]) -> list[str]:
         for marker in markers:
             if not isinstance(marker, Marker):
-                return [f"marker: expected a marker such as rod.end or body.at(x, y), found {validate.show(marker)}; attach both ends"]
+                found = f"the item {marker.name!r}" if hasattr(marker, "name") else validate.show(marker)
+                return [f"marker: expected a marker such as rod.end or body.at(x, y), found {found}; attach both ends"]
             if marker.dimension != self.dimension:
                 found = f"{marker.dimension} at {marker.item!r}"
                 return [f"marker: expected {self.dimension} components, found {found}; do not mix planar and spatial scenes"]
             if marker.scene is not self:
                 return [f"marker: expected one of this scene, found one of {marker.item!r} in another scene; add that item here"]
-        if all(marker.fixed for marker in markers if marker.item not in self._bad):
-            found = ", ".join(repr(marker.item) for marker in markers)
+            if not all(np.isfinite(x).all() for x in (marker.point.weights, marker.point.constant)):
+                return [f"marker: expected finite numbers, found NaN or infinity in a point of {marker.item!r}; correct its at(...)"]
+        if any(marker.item in self._bad for marker in markers):
+            return []
+        found = ", ".join(repr(marker.item) for marker in markers)
+        if all(marker.fixed for marker in markers):
             return [f"marker: expected at least one on a moving item, found {found}; attach it to a body or a cable"]
+        if len(markers) == 2 and markers[0].item == markers[1].item and markers[0].rigid:
+            return [f"marker: expected two items, found both ends on {markers[0].item!r}; attach one of them elsewhere"]
         return []
 
     def _leans_on_misfit(self, description: Any) -> bool:

@@ -11,16 +11,14 @@ Tangents: K = d(M a - f + B' sigma + G' lambda)/dq, D = B' eta B, as values on c
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from .affine import Array
-from .constraint import Quadratic
+from .equations import Joints
 from .model import Model, build
 from .scatter import Scatter
-from .turn import Turn
+from .strains import Strains
 
 DENSE_MASS = 96
 
@@ -107,8 +105,8 @@ class System:
         return [kernel.inputs(times) for kernel in self.loads]
 
     def load(self, q: Array, inputs: list[Array]) -> Array:
-        """Weight, forces and torques [..., n]."""
-        total = np.broadcast_to(self.constant_force, q.shape)
+        """Weight, forces and torques [..., n]; [n] where they are constant."""
+        total = self.constant_force
         for kernel, scatter, values in zip(self.loads, self.load_scatters, inputs):
             local = kernel.force(q, values)
             local = np.broadcast_to(local, (*q.shape[:-1], *local.shape[-2:]))
@@ -172,121 +170,3 @@ class System:
     def coordinate(self, index: int) -> str:
         """The item and coordinate behind an entry of q."""
         return " ".join(self.owners[index])
-
-
-class Strains:
-    """All elastic measures at configurations [...]."""
-
-    def __init__(self, system: System, q: Array):
-        self.system = system
-        self.parts = [kernel.at(q) for kernel in system.measures]
-        self.batch = q.shape[:-1]
-
-    def _join(self, parts: list[Array], batch: tuple[int, ...]) -> Array:
-        if len(parts) == 1:
-            return parts[0].reshape(*batch, -1)
-        return np.concatenate([part.reshape(*batch, -1) for part in parts], axis=-1)
-
-    def _split(self, stress: Array) -> list[Array]:
-        ends = self.system.ends
-        return [
-            stress[..., ends[i] : ends[i + 1]].reshape(*stress.shape[:-1], *kernel.modulus.shape)
-            for i, kernel in enumerate(self.system.measures)
-        ]
-
-    @property
-    def value(self) -> Array:
-        return self._join([part.value for part in self.parts], self.batch)
-
-    def pull(self, stress: Array) -> Array:
-        """B' sigma [..., n]."""
-        local = [part.pull(s) for part, s in zip(self.parts, self._split(stress))]
-        return self.system.scatter(self._join(local, local[0].shape[:-2]))
-
-    def push(self, change: Array) -> Array:
-        """B dq [..., n_stresses]."""
-        return self._join([part.push(change) for part in self.parts], np.broadcast_shapes(self.batch, change.shape[:-1]))
-
-    def stiffness(self, stress: Array, modulus: Array, v: Array | None) -> Array:
-        """Values of B' diag(modulus) B + sigma . d2(strain)/dq2, and with a velocity B' eta d(B v)/dq."""
-        out = []
-        eta = [None] * len(self.parts) if v is None else self._split(self.system.viscosity)  # type: ignore[arg-type]
-        for part, s, c, viscosity in zip(self.parts, self._split(stress), self._split(modulus), eta):
-            matrix: Any = part.stiffness(s, c)
-            if viscosity is not None:
-                assert v is not None
-                columns = np.moveaxis(viscosity[..., None] * part.swirl(v), -1, 0)
-                matrix = matrix + np.moveaxis(part.pull(columns), 0, -1)
-            out.append(matrix.ravel())
-        return np.concatenate(out)
-
-    def swirl_times(self, v: Array, change: Array) -> Array:
-        """d(B v)/dq dq [..., n_stresses]."""
-        parts = [part.swirl_times(v, change) for part in self.parts]
-        return self._join(parts, np.broadcast_shapes(self.batch, v.shape[:-1], change.shape[:-1]))
-
-
-class Joints:
-    """All equations of a scene: the quadratic rows, then the turning angles."""
-
-    def __init__(self, model: Model):
-        self.kernels: list[Any] = []  # Quadratic and Turn: each prepares what its own methods take
-        self.labels = [(item, label) for item, label, _ in model.equations] + [(item, "turn") for item, _ in model.turns]
-        if model.equations:
-            self.kernels.append(Quadratic([row for *_, row in model.equations], model.n))
-        if model.turns:
-            self.kernels.append(Turn([turn for _, turn in model.turns], model.n))
-        first = np.concatenate(([0], np.cumsum([kernel.m for kernel in self.kernels], dtype=int)))
-        self.m, self.n = int(first[-1]), model.n
-        self.spans = [slice(int(a), int(b)) for a, b in zip(first[:-1], first[1:])]
-        empty = [np.zeros(0, np.intp)]
-        self.rows = np.concatenate([kernel.rows + a for kernel, a in zip(self.kernels, first)] or empty)
-        self.cols = np.concatenate([kernel.cols for kernel in self.kernels] or empty)
-        self.curvature_rows = np.concatenate([kernel.curvature_rows for kernel in self.kernels] or empty)
-        self.curvature_cols = np.concatenate([kernel.curvature_cols for kernel in self.kernels] or empty)
-        self.linear = all(kernel.linear for kernel in self.kernels)
-        self.to_rows, self.to_cols = Scatter(self.rows, self.m), Scatter(self.cols, model.n)
-
-    def at(self, q: Array) -> JointsAt:
-        return JointsAt(self, q)
-
-
-class JointsAt:
-    """All equations at configurations [...]."""
-
-    def __init__(self, joints: Joints, q: Array):
-        self.joints, self.batch = joints, q.shape[:-1]
-        self.states = [kernel.prepare(q) for kernel in joints.kernels]
-        self.gradient = self._join([kernel.gradient(z) for kernel, z in zip(joints.kernels, self.states)])
-
-    def _join(self, parts: list[Array]) -> Array:
-        if len(parts) == 1:
-            return parts[0]
-        return np.concatenate(parts, axis=-1) if parts else np.zeros((*self.batch, 0))
-
-    @property
-    def value(self) -> Array:
-        """g [..., m]."""
-        return self._join([kernel.value(z) for kernel, z in zip(self.joints.kernels, self.states)])
-
-    def pull(self, multipliers: Array) -> Array:
-        """G' lambda [..., n]."""
-        return self.joints.to_cols(self.gradient * multipliers[..., self.joints.rows])
-
-    def push(self, v: Array) -> Array:
-        """G v [..., m]."""
-        return self.joints.to_rows(self.gradient * v[..., self.joints.cols])
-
-    def swirl(self, v: Array) -> Array:
-        """Values of d(G v)/dq on the pattern of G."""
-        return self._join([kernel.swirl(z, v) for kernel, z in zip(self.joints.kernels, self.states)])
-
-    def bias(self, v: Array) -> Array:
-        """v' d2g/dq2 v [..., m]: minus what G a must be."""
-        return self._join([kernel.bias(z, v) for kernel, z in zip(self.joints.kernels, self.states)])
-
-    def curvature(self, multipliers: Array) -> Array:
-        """Values of d(G' lambda)/dq on (curvature_rows, curvature_cols)."""
-        spans = self.joints.spans
-        parts = [kernel.curvature(z, multipliers[..., span]) for kernel, z, span in zip(self.joints.kernels, self.states, spans)]
-        return self._join(parts)

@@ -70,7 +70,8 @@ class Tableau:
     c [s] nodes, a [s, s], inverse = a^-1, start [s]: derivative at 0 of the polynomial through 0 and the stages, gamma: the real
     eigenvalue of a^-1, and ``eigenvalues`` [p] (gamma, if s is odd, then one of each complex pair) with rows ``into`` [p, s] and columns
     ``back`` [s, p] such that x = real(back @ (into @ x)) and real(back @ diag(eigenvalues) @ into) = a^-1. ``into_parts`` [s, s] and
-    ``back_parts`` [s, s] are the same in real arithmetic: the real row, then real and imaginary part of each pair.
+    ``back_parts`` [s, s] are the same in real arithmetic: the real row, then real and imaginary part of each pair. ``middle`` [s + 1],
+    ``middle_stages`` and ``back_to_start`` [s] evaluate stage polynomials at half the step (with, without the start) and at its start.
     """
 
     def __init__(self, stages: int):
@@ -111,6 +112,9 @@ class Tableau:
         self.into_parts = np.array([*self.into[: self.real].real, *mixed])
         self.back_parts = np.array([*self.back[:, : self.real].real.T, *spread]).T.copy()
         assert np.abs(self.back_parts @ self.into_parts - np.eye(self.stages)).max() < 1e-8, "real and imaginary parts"
+        half, start = np.array([0.5]), np.zeros(1)
+        self.middle, self.middle_stages = self.extend(half, with_start=True)[0], self.extend(half, with_start=False)[0]
+        self.back_to_start = self.extend(start, with_start=False)[0]
         self._forecast = {
             start: _fit(np.concatenate((np.zeros(1), self.c)) if start else self.c, (self.stages + 3) // 2 - (not start)) for start in (True, False)
         }

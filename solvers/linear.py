@@ -21,7 +21,7 @@ from .ordering import half_bandwidth, reverse_cuthill_mckee
 from .system import Array, Index, System
 
 SINGULAR = 1e-15
-SOFTENING = 1e-10
+SOFTENING = 1e-7
 
 
 class Tangent(NamedTuple):

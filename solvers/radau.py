@@ -139,8 +139,7 @@ class RadauIIA:
         return self._failed(f"Newton's iteration needs more than {self.iterations} steps", self.iterations, system, linear, g)
 
     def _middle(self, equations: StageEquations, x: Stages) -> Middle:
-        at = np.array([0.5])
-        wide, narrow = self.table.extend(at, with_start=True)[0, 1:], self.table.extend(at, with_start=False)[0]
+        wide, narrow = self.table.middle[1:], self.table.middle_stages
         v = equations.v0 * (1.0 - wide.sum()) + wide @ x.v
         return Middle(equations.q0 + wide @ x.dq, v, narrow @ x.multipliers, narrow @ x.stress)
 
@@ -155,8 +154,7 @@ class RadauIIA:
         if system.n_stresses:
             force = force - system.strains(state.q).pull(state.stress)
         if system.m:
-            back = table.extend(np.zeros(1), with_start=False)[0]
-            force = force - system.joints.at(state.q).pull(back @ x.multipliers)
+            force = force - system.joints.at(state.q).pull(table.back_to_start @ x.multipliers)
         in_q, in_v = equations.start_defect(x, force, at)
         size = max(float(np.max(np.abs(in_q) * system.levers)), equations.h * float(np.max(np.abs(in_v) * system.levers)))
         return size / tolerance

@@ -108,9 +108,9 @@ def accelerations(system: System, factor: Factor, q: Array, v: Array, inputs: An
     joints = system.joints.at(q)
     bias = -joints.bias(v)
     a, multipliers = factor.solve(force, bias)
-    if factor.linear.softened:
-        da, dl = factor.solve(force - system.mass(a) - joints.pull(multipliers), bias - joints.push(a))
-        a, multipliers = a + da, multipliers + dl
+    for _ in range(2 if factor.linear.softened else 0):
+        da, more = factor.solve(force - system.mass(a) - joints.pull(multipliers), bias - joints.push(a))
+        a, multipliers = a + da, multipliers + more
     return a, multipliers
 
 

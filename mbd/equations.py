@@ -1,0 +1,79 @@
+"""All equations of a scene at once: the quadratic rows of the joints, then the turning angles."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .affine import Array
+from .constraint import Quadratic
+from .model import Model
+from .scatter import Scatter
+from .turn import Turn
+
+
+class Joints:
+    """All equations of a scene: the quadratic rows, then the turning angles."""
+
+    def __init__(self, model: Model):
+        self.kernels: list[Any] = []  # Quadratic and Turn: each prepares what its own methods take
+        self.labels = [(item, label) for item, label, _ in model.equations] + [(item, "turn") for item, _ in model.turns]
+        if model.equations:
+            self.kernels.append(Quadratic([row for *_, row in model.equations], model.n))
+        if model.turns:
+            self.kernels.append(Turn([turn for _, turn in model.turns], model.n))
+        first = np.concatenate(([0], np.cumsum([kernel.m for kernel in self.kernels], dtype=int)))
+        self.m, self.n = int(first[-1]), model.n
+        self.spans = [slice(int(a), int(b)) for a, b in zip(first[:-1], first[1:])]
+        empty = [np.zeros(0, np.intp)]
+        self.rows = np.concatenate([kernel.rows + a for kernel, a in zip(self.kernels, first)] or empty)
+        self.cols = np.concatenate([kernel.cols for kernel in self.kernels] or empty)
+        self.curvature_rows = np.concatenate([kernel.curvature_rows for kernel in self.kernels] or empty)
+        self.curvature_cols = np.concatenate([kernel.curvature_cols for kernel in self.kernels] or empty)
+        self.linear = all(kernel.linear for kernel in self.kernels)
+        self.to_rows, self.to_cols = Scatter(self.rows, self.m), Scatter(self.cols, model.n)
+
+    def at(self, q: Array) -> JointsAt:
+        return JointsAt(self, q)
+
+
+class JointsAt:
+    """All equations at configurations [...]."""
+
+    def __init__(self, joints: Joints, q: Array):
+        self.joints, self.batch = joints, q.shape[:-1]
+        self.states = [kernel.prepare(q) for kernel in joints.kernels]
+        self.gradient = self._join([kernel.gradient(z) for kernel, z in zip(joints.kernels, self.states)])
+
+    def _join(self, parts: list[Array]) -> Array:
+        if len(parts) == 1:
+            return parts[0]
+        if not parts:
+            return np.zeros((*self.batch, 0))
+        return np.concatenate([np.broadcast_to(part, (*self.batch, part.shape[-1])) for part in parts], axis=-1)
+
+    @property
+    def value(self) -> Array:
+        """g [..., m]."""
+        return self._join([kernel.value(z) for kernel, z in zip(self.joints.kernels, self.states)])
+
+    def pull(self, multipliers: Array) -> Array:
+        """G' lambda [..., n]."""
+        return self.joints.to_cols(self.gradient * multipliers[..., self.joints.rows])
+
+    def push(self, v: Array) -> Array:
+        """G v [..., m]."""
+        return self.joints.to_rows(self.gradient * v[..., self.joints.cols])
+
+    def swirl(self, v: Array) -> Array:
+        """Values of d(G v)/dq on the pattern of G."""
+        return self._join([kernel.swirl(z, v) for kernel, z in zip(self.joints.kernels, self.states)])
+
+    def bias(self, v: Array) -> Array:
+        """v' d2g/dq2 v [..., m]: minus what G a must be."""
+        return self._join([kernel.bias(z, v) for kernel, z in zip(self.joints.kernels, self.states)])
+
+    def curvature(self, multipliers: Array) -> Array:
+        """Values of d(G' lambda)/dq on (curvature_rows, curvature_cols)."""
+        spans = self.joints.spans
+        parts = [kernel.curvature(z, multipliers[..., span]) for kernel, z, span in zip(self.joints.kernels, self.states, spans)]
+        return self._join(parts)

@@ -1,0 +1,64 @@
+"""All elastic measures of a scene at once: kernels side by side, their stresses in one array."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .affine import Array
+
+if TYPE_CHECKING:
+    from .system import System
+
+
+class Strains:
+    """All elastic measures at configurations [...]."""
+
+    def __init__(self, system: System, q: Array):
+        self.system = system
+        self.parts = [kernel.at(q) for kernel in system.measures]
+        self.batch = q.shape[:-1]
+
+    def _join(self, parts: list[Array], batch: tuple[int, ...]) -> Array:
+        if len(parts) == 1:
+            return parts[0].reshape(*batch, -1)
+        return np.concatenate([part.reshape(*batch, -1) for part in parts], axis=-1)
+
+    def _split(self, stress: Array) -> list[Array]:
+        ends = self.system.ends
+        return [
+            stress[..., ends[i] : ends[i + 1]].reshape(*stress.shape[:-1], *kernel.modulus.shape)
+            for i, kernel in enumerate(self.system.measures)
+        ]
+
+    @property
+    def value(self) -> Array:
+        return self._join([part.value for part in self.parts], self.batch)
+
+    def pull(self, stress: Array) -> Array:
+        """B' sigma [..., n]."""
+        local = [part.pull(s) for part, s in zip(self.parts, self._split(stress))]
+        return self.system.scatter(self._join(local, local[0].shape[:-2]))
+
+    def push(self, change: Array) -> Array:
+        """B dq [..., n_stresses]."""
+        return self._join([part.push(change) for part in self.parts], np.broadcast_shapes(self.batch, change.shape[:-1]))
+
+    def stiffness(self, stress: Array, modulus: Array, v: Array | None) -> Array:
+        """Values of B' diag(modulus) B + sigma . d2(strain)/dq2, and with a velocity B' eta d(B v)/dq."""
+        out = []
+        eta = [None] * len(self.parts) if v is None else self._split(self.system.viscosity)  # type: ignore[arg-type]
+        for part, s, c, viscosity in zip(self.parts, self._split(stress), self._split(modulus), eta):
+            matrix: Any = part.stiffness(s, c)
+            if viscosity is not None:
+                assert v is not None
+                columns = np.moveaxis(viscosity[..., None] * part.swirl(v), -1, 0)
+                matrix = matrix + np.moveaxis(part.pull(columns), 0, -1)
+            out.append(matrix.ravel())
+        return np.concatenate(out)
+
+    def swirl_times(self, v: Array, change: Array) -> Array:
+        """d(B v)/dq dq [..., n_stresses]."""
+        parts = [part.swirl_times(v, change) for part in self.parts]
+        return self._join(parts, np.broadcast_shapes(self.batch, v.shape[:-1], change.shape[:-1]))
