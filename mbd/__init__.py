@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from .joints import Ball, Clamp, Distance, Pin
     from .marker import Marker
     from .result import Result
-    from .scene import Scene
     from .run import simulate
+    from .scene import Scene
     from .solvers import GeneralizedAlpha, Radau
     from .state import State
 

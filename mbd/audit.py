@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .affine import Array
 from .system import System
 from .trajectory import Trajectory
 

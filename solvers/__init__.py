@@ -7,6 +7,7 @@ if __name__ != "mbd.solvers":
     raise ImportError(f"import mbd.solvers, not {__name__}: loaded twice, every class would exist twice")
 
 from .generalized_alpha import GeneralizedAlpha
+from .projected import DormandPrince
 from .radau import Radau
 
-__all__ = ["GeneralizedAlpha", "Radau"]
+__all__ = ["DormandPrince", "GeneralizedAlpha", "Radau"]

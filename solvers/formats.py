@@ -53,7 +53,8 @@ class Dense:
         getrf, getrs = (lapack.zgetrf, lapack.zgetrs) if complex_ else (lapack.dgetrf, lapack.dgetrs)
         lu, pivots, info = getrf(buffer.reshape(self.size, self.size).T, overwrite_a=1)
         _check(info)
-        return lambda b: getrs(lu, pivots, b)[0]
+        # Column by column: OpenBLAS starts threads for several right sides of any size, which costs milliseconds on a busy machine.
+        return lambda b: getrs(lu, pivots, b)[0] if b.ndim == 1 else np.stack([getrs(lu, pivots, column)[0] for column in b.T], axis=1)
 
     def norm(self, buffer: NDArray) -> float:
         return float(np.abs(buffer.view(float).reshape(self.size, -1)).sum(axis=1).max())

@@ -11,8 +11,7 @@ In the unknowns q1 and v1, with u(q1) for the velocity that the first line gives
 is what ``stages.py`` solves, for one stage and with y z in place of z^2, and it is solved alike: stresses iterate beside the
 coordinates, velocity-dependent forces are taken at u (z D is then exact under heavy damping), multipliers are scaled by y z.
 
-Second order; infinitely fast vibrations shrink to rho_inf with each step. Chung and Hulbert (1993), J. Appl. Mech. 60; Arnold and
-Bruels (2007), Multibody Syst. Dyn. 18; Arnold, Bruels and Cardona (2015), Numer. Math. 129, for the stabilised form.
+Chung and Hulbert (1993), J. Appl. Mech. 60; Arnold and Bruels (2007), Multibody Syst. Dyn. 18; stabilised: with Cardona (2015), Numer. Math. 129.
 """
 
 from __future__ import annotations
@@ -31,8 +30,7 @@ from .start import Inconsistent, accelerations, hermite, mass_factor, project_po
 from .system import Array, System
 
 NEWTON = 1e-11  # Newton's error as a share of the system's length: far below what steps of second order can resolve
-SLOW, ITERATIONS = 0.3, 15  # a contraction slower than SLOW renews the derivatives
-HALVINGS = 8  # a step is divided into at most 2^HALVINGS parts
+SLOW, ITERATIONS, HALVINGS = 0.3, 15, 8  # a slower contraction renews the derivatives; a step has at most 2^HALVINGS parts
 
 
 @dataclass(frozen=True)
@@ -80,6 +78,9 @@ class ChungHulbert:
         self.gamma = 0.5 + self.alpha_f - self.alpha_m
         self.beta = 0.25 * (self.gamma + 0.5) ** 2
 
+    def kept(self, memory: Memory) -> Memory | None:
+        return memory if memory.inner else None
+
     def first_step(self, system: System, state: State, acceleration: Array, span: float, tolerance: float) -> float:
         return self.fixed
 
@@ -96,7 +97,7 @@ class ChungHulbert:
         solves = whole.solves + first.solves + (second.solves if second is not first else 0)
         if first.state is None or second.state is None:
             return second._replace(solves=solves)
-        inner = (*first.state.memory.inner, first.state, *second.state.memory.inner)
+        inner = (*first.state.memory.inner, first.state._replace(memory=None), *second.state.memory.inner)
         after = second.state._replace(t=state.t + h, memory=second.state.memory._replace(inner=inner))
         t, q, v, weights = (np.concatenate(pair) for pair in zip(first.nodes or (), second.nodes or ()))
         return Attempt(after, 0.0, 2.0, max(first.rate, second.rate), solves, nodes=(t, q, v, weights))
@@ -196,9 +197,7 @@ class Equations:
         system, q, u = self.system, self.q0 + x.dq, self.velocity(x.dq)
         v = x.v if at.mass_factor else u
         joints, stress, drift = system.joints.at(q), x.stress, x.drift
-        r2 = system.mass(self.acceleration(v)) - system.load(q, self.inputs)
-        if system.m:
-            r2 = r2 + joints.pull(x.multipliers)
+        r2 = system.mass(self.acceleration(v)) - system.load(q, self.inputs) + (joints.pull(x.multipliers) if system.m else 0.0)
         g = joints.value
         if at.strains is not None:
             strains = system.strains(q)

@@ -66,7 +66,7 @@ def march(
             h_next = min(h_next, ceiling)
             landed = attempt.state if h < remaining else attempt.state._replace(t=t_end)
             record.work.append(record.work[-1] + (work(attempt) if work else 0.0))
-            record.states.append(landed)
+            record.states.append(landed._replace(memory=method.kept(landed.memory)))
             state = landed
             h = h_next if method.fixed is None else method.fixed
             if watch:

@@ -44,7 +44,7 @@ class Radau:
 
     def integrator(self, rtol: float) -> RadauIIA:
         """The method for a tolerance."""
-        stages = self.stages or (3 if rtol > 3e-4 else 5 if rtol > 3e-8 else 7)
+        stages = self.stages or (3 if rtol > 5e-3 else 5 if rtol > 3e-6 else 7)
         return RadauIIA(stages, self.step, rtol)
 
 
@@ -56,7 +56,7 @@ class Memory(NamedTuple):
     v0: Array
     stress0: Array
     stages: Stages
-    count: int  # type: ignore[assignment]
+    n_stages: int
 
 
 class RadauIIA:
@@ -99,7 +99,7 @@ class RadauIIA:
             stages = Stages(dq, np.tile(state.v, (s, 1)), np.tile(state.multipliers, (s, 1)), np.zeros((s, m)), np.tile(state.stress, (s, 1)))
             return stages, Middle(state.q + 0.5 * h * state.v, state.v, state.multipliers, state.stress)
         memory: Memory = state.memory
-        last = tableau(memory.count)
+        last = tableau(memory.n_stages)
         points = 1.0 + np.concatenate((c, [0.5])) * (h / memory.h)
         wide, narrow = last.forecast(points, with_start=True), last.forecast(points, with_start=False)
         dq = wide[:, 1:] @ memory.stages.dq + (memory.q0 - state.q)
@@ -158,6 +158,9 @@ class RadauIIA:
         in_q, in_v = equations.start_defect(x, force, at)
         size = max(float(np.max(np.abs(in_q) * system.levers)), equations.h * float(np.max(np.abs(in_v) * system.levers)))
         return size / tolerance
+
+    def kept(self, memory: Memory | None) -> None:
+        """Nothing: values inside a step are found by solving it again."""
 
     def inside(self, system: System, linear: Linear, before: State, after: State, times: Array) -> tuple[Array, Array]:
         """q, v [n_t, n] at times within a step: the step is solved once more, with so many stages that its polynomial is as accurate inside

@@ -334,6 +334,20 @@ def test_joint_allows_and_forbids(case: Case) -> None:
             assert residual(built, placed(case, built, rng, wrong)) > 1e-2
 
 
+def test_residuals_have_the_documented_scale() -> None:
+    """Distance: (|p|^2 - L^2) / (2 L), so that its multiplier is the force in the rod; planar clamp: |a| |b| sin(angle error)."""
+    scene = mbd.Scene(gravity=(0, 0))
+    a, b = scene.add(mbd.Particle(1.0, (0, 0))), scene.add(mbd.Particle(1.0, (0.6, 0.8)))
+    rod = scene.add(mbd.Distance(a.at(), b.at(), length=2.0))
+    cable = MARKERS["node"](scene, np.zeros(2), np.eye(2), "cable")
+    scene.add(mbd.Clamp(scene.ground.at(0, 0), cable))
+    system = scene.build()
+    q = move(scene, system.q0, "cable", 1.3 * about_axis(np.ones(2), 0.1), np.zeros(2), np.zeros(2))
+    assert system.joints.at(q).value == pytest.approx([(1.0 - 4.0) / 4.0, 0.0, 0.0, 1.3 * np.sin(0.1)], abs=1e-15)
+    wrench = reaction(rod, rod.pose(system.q0), 2.0 * system.q0, np.array([3.0]))  # at its length: 3 N pull a towards b
+    assert wrench == pytest.approx([3.0 * 0.6, 3.0 * 0.8, 0.0], abs=1e-15)
+
+
 @each_case
 def test_joint_removes_the_right_number_of_freedoms(case: Case) -> None:
     """Independent equations between two free items; a thin spatial cable has no torsion to hold. Two cables: one equation more, for

@@ -65,7 +65,7 @@ class Pendulum:
 def exact(t):
     """r, v [k, 2] at times t [k] after release from the horizontal, by Jacobi's elliptic functions (Whittaker 1937, section 44)."""
     omega, m = np.sqrt(GRAVITY / LENGTH), 0.5
-    sn, cn, dn, _ = ellipj(ellipk(m) - omega * np.asarray(t, dtype=float), m)
+    sn, cn, *_ = ellipj(ellipk(m) - omega * np.asarray(t, dtype=float), m)
     angle, rate = 2.0 * np.arcsin(np.sqrt(m) * sn), -2.0 * np.sqrt(m) * omega * cn
     r = LENGTH * np.stack((np.sin(angle), -np.cos(angle)), axis=-1)
     return r, rate[..., None] * np.stack((-r[..., 1], r[..., 0]), axis=-1)

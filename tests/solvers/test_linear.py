@@ -110,7 +110,8 @@ def test_condition_estimate(monkeypatch, name, gap):
     linear, factor = system.factor(monkeypatch, name)
     scaled = linear.scale[:, None] * system.kkt(1.0, 0.0, 0.0) * linear.scale
     true = 1.0 / np.linalg.cond(scaled, 1)
-    # The two rows make the condition the square of 1 / gap. One vector's growth bounds |A^-1| from below: the estimate is never pessimistic, and within 100 of the truth.
+    # The two rows make the condition the square of 1 / gap.
+    # One vector's growth bounds |A^-1| from below: the estimate is never pessimistic, and within 100 of the truth.
     assert 0.5 * true < factor.rcond < 100.0 * true
     assert true < 10.0 * gap**2
 

@@ -17,16 +17,19 @@ class Scripted:
 
     name = "scripted"
 
-    def __init__(self, fails_above=np.inf, fails_after=np.inf, error_at_one=0.0, fixed=None):
+    def __init__(self, fails_above=np.inf, fails_after=np.inf, error_at_one=0.0, fixed=None, warns=True):
         self.fails_above, self.fails_after, self.error_at_one, self.fixed = fails_above, fails_after, error_at_one, fixed
-        self.tried = []
+        self.warns, self.tried = warns, []
+
+    def kept(self, memory):
+        return None
 
     def step(self, system, linear, state, h, tolerance):
         self.tried.append(h)
         if h > self.fails_above or state.t + h > self.fails_after:
             return Attempt(None, np.inf, 1.0, 1.0, 3, "it is told to", 0)
         q, v = exact([state.t + h])
-        contraction = max(0.01, h / self.fails_above)
+        contraction = max(0.01, h / self.fails_above if self.warns else 0.0)
         return Attempt(State(state.t + h, q[0], v[0], state.multipliers, state.stress), self.error_at_one * h**4, 4.0, contraction, 2)
 
 
@@ -47,6 +50,13 @@ def test_failed_steps_shrink_and_are_counted():
     assert record.solves == 3 * record.failed + 2 * record.steps
     # From 0.5 it takes three to get below 0.1. The contraction then says how near the wall is: no step need run into it again.
     assert record.failed == 3
+
+
+def test_a_failure_that_nothing_announces_is_remembered():
+    record = marched(Scripted(fails_above=0.1, warns=False), t_end=20.0)
+    assert record.failure == ""
+    # Steps come back to the length that failed only slowly. At once, more of them would fail than pass.
+    assert record.failed < record.steps / 2
 
 
 def test_a_wall_in_time_stops_the_run_with_what_was_reached():

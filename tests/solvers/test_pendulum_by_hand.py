@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from mbd.solvers import GeneralizedAlpha, Radau
+import mbd
+from mbd.solvers import GeneralizedAlpha, Radau, generalized_alpha
 from mbd.solvers.start import accelerations, mass_factor
 
-from .by_hand import GRAVITY, LENGTH, MASS, exact, motion, run
+from .by_hand import GRAVITY, LENGTH, MASS, begin, exact, motion, run
 
 SPEED = np.sqrt(2.0 * GRAVITY * LENGTH)
 
@@ -79,6 +80,43 @@ def test_multiplier_is_the_tension():
     tension = MASS * (state.v @ state.v / LENGTH - GRAVITY * state.q[1] / LENGTH)
     # G' lambda = r lambda is the force along the rod: both sides are of this state, so only rounding is between them.
     assert multipliers[0] * LENGTH == pytest.approx(tension, rel=1e-12)
+
+
+@pytest.mark.parametrize("index", [2, 3])
+def test_steps_of_changing_length_keep_the_order(index):
+    """The algorithmic acceleration belongs to a time that moves with h; unless it is moved along, such steps are of first order."""
+    errors = []
+    for count in (100, 200):
+        system, linear, record, _ = begin()
+        method, state = GeneralizedAlpha(1.0, index=index).integrator(1e-6), record.states[0]
+        for k in range(2 * count):
+            state = method.step(system, linear, state, (2.0 - k % 2) / (3.0 * count), 0.0).state
+        assert state.t == pytest.approx(1.0, abs=1e-12)
+        errors.append([np.abs(state.q - exact([1.0])[0]).max(), np.abs(state.v - exact([1.0])[1]).max()])
+    # From below only: index 3 starts with errors in v that fade faster than h^2.
+    assert np.log2(np.divide(*errors)).min() > 1.8
+
+
+@pytest.mark.parametrize("step", [0.1, 0.2])
+def test_steps_are_solved_however_newton_got_there(monkeypatch, step):
+    ends = []
+    for share in (generalized_alpha.NEWTON, 1e-13):
+        monkeypatch.setattr(generalized_alpha, "NEWTON", share)
+        _, _, record = run(GeneralizedAlpha(step).integrator(1e-6), 2.0)
+        ends.append(record.states[-1].q)
+    # A few steps, each within 1e-11 of the length of its equations' solution.
+    assert np.abs(ends[0] - ends[1]).max() < 1e-9 * LENGTH
+
+
+@pytest.mark.parametrize("rho_inf", [0.3, 0.8, 0.95])
+def test_infinitely_fast_vibrations_shrink_to_rho_inf(rho_inf):
+    scene = mbd.Scene(gravity=(0, 0))
+    ball = scene.add(mbd.Particle(1.0, (1.0, 0.0)))
+    scene.add(mbd.Spring(ball.at(), scene.ground.at(0, 0), stiffness=1e12, length=0.0))
+    result = mbd.simulate(scene, 300.0, solver=GeneralizedAlpha(1.0, rho_inf=rho_inf))
+    size = np.abs(result.q[[200, 300], 0])
+    # The three roots coincide at infinity: n^2 rho^n, so 100 steps from the 200th add at most 1.5^2 to rho^100.
+    assert (size[1] / size[0]) ** 0.01 == pytest.approx(rho_inf, rel=0.02)
 
 
 @pytest.mark.parametrize("wrong", [{"step": 0.0}, {"step": -1e-3}, {"step": np.nan}, {"step": "1"}, {"step": 1e-3, "rho_inf": 1.1}])
