@@ -125,7 +125,6 @@ class PlacedTorque:
         kernel = FollowerTorques if t.follower else DeadTorques
         model.load(kernel, (len(t.marker.axes),), axes=[t.marker.axes], signals=[signal])
 
-
     def _now(self, signal: Signal) -> Array:
         """[3] at t = 0; zero where a function fails there: the run that calls it says so."""
         try:

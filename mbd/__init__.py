@@ -28,13 +28,13 @@ if TYPE_CHECKING:
     from .result import Result
     from .run import simulate
     from .scene import Scene
-    from .solvers import GeneralizedAlpha, Radau
+    from .solvers import DormandPrince, GeneralizedAlpha, Radau
     from .state import State
 
 _HOMES = {
     "elements": ("AncfCable", "Force", "Particle", "RigidBody", "Spring", "TorsionSpring", "Torque"),
     "joints": ("Ball", "Clamp", "Distance", "Pin"),
-    "solvers": ("GeneralizedAlpha", "Radau"),
+    "solvers": ("DormandPrince", "GeneralizedAlpha", "Radau"),
     "errors": ("SceneError", "SceneWarning", "SimulationError"),
     "marker": ("Marker",),
     "archive": ("load",),
@@ -52,6 +52,7 @@ __all__ = [
     "Ball",
     "Clamp",
     "Distance",
+    "DormandPrince",
     "Force",
     "GeneralizedAlpha",
     "Marker",

@@ -32,7 +32,6 @@ from .assembly import Assembly, Correction, consistent
 from .descriptions import described, functions, rebuilt
 from .errors import SceneWarning, SimulationError
 from .result import Result
-from .solvers.generalized_alpha import ChungHulbert
 from .solvers.protocol import State as SolverState
 from .state import State
 from .system import System
@@ -80,20 +79,12 @@ def _head(result: Result) -> dict[str, Any]:
         "items": items,
         "functions": functions(items),
         "coordinates": result.scene.coordinates(),
-        "solver": _solver(result.trajectory.method),
+        "solver": {"class": type(result.trajectory.solver).__name__, "fields": asdict(result.trajectory.solver)},
         "rtol": result.stats["rtol"],
         "stats": result.stats,
         "corrections": [asdict(correction) for correction in result.assembly.corrections],
         "redundant": result.assembly.redundant,
     }
-
-
-def _solver(method: Any) -> dict[str, Any]:
-    """The public name of an integrator, and the fields that make it."""
-    if isinstance(method, ChungHulbert):
-        rho_inf = round(method.alpha_f / (1.0 - method.alpha_f), 12)
-        return {"class": "GeneralizedAlpha", "fields": {"step": method.fixed, "rho_inf": rho_inf, "index": method.index}}
-    return {"class": "Radau", "fields": {"stages": method.table.stages, "step": method.fixed}}
 
 
 @contextmanager
@@ -178,10 +169,10 @@ def _restored(head: dict[str, Any], arrays: dict[str, Array]) -> Result:
     _check_shapes(arrays, system)
     if head["solver"]["class"] not in solvers.__all__:
         raise ValueError(f"solver: expected one of {', '.join(solvers.__all__)}, found {head['solver']['class']!r}")
-    method = getattr(solvers, head["solver"]["class"])(**head["solver"]["fields"]).integrator(float(head["rtol"]))
+    solver = getattr(solvers, head["solver"]["class"])(**head["solver"]["fields"])
     states = [SolverState(*state) for state in zip(t.tolist(), *(arrays[name] for name in STATE[1:]))]
     assembly = _assembly(head, system, State(q[0], v[0], float(t[0])))
-    result = Result(scene, system, Trajectory(t, q, v, work, states, method, assembly.linear), head["stats"], assembly, None)
+    result = Result(scene, system, Trajectory(t, q, v, work, states, solver, solver.integrator(float(head["rtol"])), assembly.linear), head["stats"], assembly, None)
     if CHOSEN[0] in arrays:
         result.t, result.q, result.v = (arrays[name] for name in CHOSEN)
     return result

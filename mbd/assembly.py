@@ -100,7 +100,8 @@ def _redundant(system: System, linear: Linear, defect: object) -> list[str]:
 
 
 def _conflict(system: System, rows: list[int], what: str) -> str:
-    names = _names([system.label(row) for row in rows])
+    labels = [system.label(row) for row in rows]
+    names = _names([label for label in labels if label not in system.internal] or labels)
     return f"joints {names}: expected equations that can hold together, found {what}; correct positions or lengths"
 
 

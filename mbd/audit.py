@@ -18,6 +18,7 @@ class Audit:
     velocity_drift   |G v|, relative to the largest speed
     energy_error     |energy - energy at the start - work of loads and dampers| [J]
     energy_scale     the largest energy exchanged [J]
+    energy_level     the largest energy of any kind [J]
     work             of loads and dampers over the run [J]
     """
 
@@ -25,13 +26,20 @@ class Audit:
     velocity_drift: float
     energy_error: float
     energy_scale: float
+    energy_level: float
     work: float
+
+    @property
+    def balanced(self) -> bool:
+        """Whether the energy adds up at all: an imbalance of a fifth, above rounding, means an unstable or far too coarse run."""
+        return self.energy_error <= max(0.2 * self.energy_scale, 1e-9 * self.energy_level)
 
     def __str__(self) -> str:
         relative = f" ({self.energy_error / self.energy_scale:.1e} of {self.energy_scale:.4g} J exchanged)" if self.energy_scale > 0.0 else ""
+        work = f"; loads and dampers did {self.work:.6g} J of work" if self.work else ""
         return (
             f"joints: positions within {self.position_drift:.1e} of the length, velocities within {self.velocity_drift:.1e} of the speed\n"
-            f"energy: balanced within {self.energy_error:.1e} J{relative}" + (f"; loads and dampers did {self.work:.6g} J of work" if self.work else "")
+            f"energy: balanced within {self.energy_error:.1e} J{relative}{work}"
         )
 
 
@@ -48,5 +56,6 @@ def audit(system: System, trajectory: Trajectory) -> Audit:
         float(np.max(np.abs(joints.push(v)) * reach, initial=0.0)) / speed,
         float(np.max(np.abs(balance - balance[0]))),
         exchanged,
+        max(float(np.max(np.abs(part))) for part in (kinetic, elastic, potential)),
         float(trajectory.work[-1]),
     )

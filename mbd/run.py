@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from .affine import Array
 from .assembly import Assembly, announce, consistent
-from .errors import SceneError, SimulationError
+from .errors import SceneError, SceneWarning, SimulationError
 from .result import Result
 from .state import State
 from .system import System
@@ -52,7 +53,7 @@ def simulate(
         from .solvers import Radau
 
         solver = Radau()
-    return _run(scene, system, assembly, solver.integrator(rtol), float(t_end), rtol, times, progress)
+    return _run(scene, system, assembly, solver, float(t_end), rtol, times, progress)
 
 
 def _checked_times(t_end: float, rtol: float, t_eval: ArrayLike | None, t_start: float) -> Array | None:
@@ -72,23 +73,22 @@ def _checked_times(t_end: float, rtol: float, t_eval: ArrayLike | None, t_start:
 
 
 def _run(
-    scene: Scene, system: System, assembly: Assembly, method: Any, t_end: float, rtol: float, t_eval: Array | None, progress: bool
+    scene: Scene, system: System, assembly: Assembly, solver: Any, t_end: float, rtol: float, t_eval: Array | None, progress: bool
 ) -> Result:
     from .solvers.march import Record, march
     from .solvers.protocol import State as SolverState
     from .solvers.start import accelerations, mass_factor
 
-    linear, begin = assembly.linear, assembly.state
+    linear, begin, method = assembly.linear, assembly.state, solver.integrator(rtol)
     clock = time.perf_counter()
-    factor = mass_factor(system, linear, begin.q)
-    a, multipliers = accelerations(system, factor, begin.q, begin.v, system.inputs(begin.t))
     stress = system.stress(system.strains(begin.q), begin.v) if system.n_stresses else np.zeros(0)
-    first = SolverState(begin.t, begin.q, begin.v, multipliers, stress)
     tolerance = rtol * system.length
-    record = Record([first])
+    record = Record([SolverState(begin.t, begin.q, begin.v, np.zeros(system.m), stress)])
     bar = _Bar(begin.t, t_end) if progress else None
     trouble: SimulationError | None = None
     try:
+        a, multipliers = accelerations(system, mass_factor(system, linear, begin.q), begin.q, begin.v, system.inputs(begin.t))
+        record.states[0] = first = record.states[0]._replace(multipliers=multipliers)
         h = method.first_step(system, first, a, t_end - begin.t, tolerance)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # a diverging iteration is detected and rejected
             march(system, linear, method, record, t_end, tolerance, h, work=_work(system), watch=bar)
@@ -101,13 +101,26 @@ def _run(
         if bar:
             bar.close()
     stats = _stats(method, linear, record, rtol, time.perf_counter() - clock)
-    result = Result(scene, system, Trajectory.of(record, method, linear), stats, assembly, t_eval)
+    result = Result(scene, system, Trajectory.of(record, solver, method, linear), stats, assembly, t_eval)
     if trouble is None and record.failure:
         trouble = _failure(system, record)
     if trouble:
         trouble.result = result
         raise trouble
+    _warn_of_imbalance(result)
     return result
+
+
+def _warn_of_imbalance(result: Result) -> None:
+    """An energy that does not add up is the one sign of an unstable or far too coarse run that every scene gives."""
+    audit = result.audit
+    if not audit.balanced:
+        warnings.warn(
+            f"the energy is off by {audit.energy_error:.3g} J where {audit.energy_scale:.3g} J were exchanged: "
+            "do not trust this run; lower rtol or the step",
+            SceneWarning,
+            stacklevel=4,
+        )
 
 
 def _work(system: System) -> Callable[[Attempt], float] | None:

@@ -16,7 +16,8 @@ from .system import System
 class Trajectory:
     """The accepted steps of a run, and the method that can fill in between them.
 
-    t [k], q, v [k, n], work [k] of loads and dampers since the start [J], states as the solver left them.
+    t [k], q, v [k, n], work [k] of loads and dampers since the start [J], states as the solver left them; the solver as the user chose
+    it, and the method it became for the tolerance.
     """
 
     t: Array
@@ -24,14 +25,15 @@ class Trajectory:
     v: Array
     work: Array
     states: Sequence[Any]
+    solver: Any
     method: Any
     linear: Any
 
     @classmethod
-    def of(cls, record: Any, method: Any, linear: Any) -> Trajectory:
+    def of(cls, record: Any, solver: Any, method: Any, linear: Any) -> Trajectory:
         states = record.states
         t, q, v = (np.array([getattr(state, name) for state in states]) for name in "tqv")
-        return cls(t, q, v, np.array(record.work), states, method, linear)
+        return cls(t, q, v, np.array(record.work), states, solver, method, linear)
 
     def at(self, system: System, times: Array) -> tuple[Array, Array]:
         """q, v [..., n] at times within the run: by the method's own interpolation, projected to the joints."""

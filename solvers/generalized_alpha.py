@@ -30,7 +30,7 @@ from .start import Inconsistent, accelerations, hermite, mass_factor, project_po
 from .system import Array, System
 
 NEWTON = 1e-11  # Newton's error as a share of the system's length: far below what steps of second order can resolve
-SLOW, ITERATIONS, HALVINGS = 0.3, 15, 8  # a slower contraction renews the derivatives; a step has at most 2^HALVINGS parts
+SLOW, ITERATIONS, HALVINGS = 0.1, 15, 8  # a slower contraction renews the derivatives; a step has at most 2^HALVINGS parts
 
 
 @dataclass(frozen=True)

@@ -58,12 +58,13 @@ class ProjectedExplicit:
         """One step of length h; ``tolerance`` is a length: the local error allowed in positions."""
         try:
             memory = self._remembered(system, linear, state)
-            velocities, accelerations = self._stages(system, memory, state, h)
+            positions, velocities, accelerations = self._stages(system, memory, state, h)
             q, v = state.q + h * (WEIGHTS @ velocities), state.v + h * (WEIGHTS @ accelerations)
             error = self._error(system, velocities, accelerations, h) / tolerance
             if not error <= 1.0:
                 return Attempt(state, error if np.isfinite(error) else 1e8, 8.0, 0.0, 0)
-            return self._landed(system, linear, memory, state, h, q, v, error, velocities)
+            after = self._landed(system, linear, memory, state.t + h, q, v)
+            return Attempt(after, error, 8.0, 0.0, 12, nodes=(state.t + NODES * h, positions, velocities, WEIGHTS * h))
         except (Singular, Inconsistent) as trouble:
             return Attempt(None, np.inf, 1.0, 0.0, 0, f"singular equations ({trouble})")
 
@@ -73,16 +74,16 @@ class ProjectedExplicit:
         equations = index_one(system, linear)
         return Memory(equations, equations.solve(state.q, state.v, system.inputs(state.t))[0])
 
-    def _stages(self, system: System, memory: Memory, state: State, h: float) -> tuple[Array, Array]:
-        """Velocities and accelerations [12, n] at the stages."""
-        velocities, accelerations = np.empty((12, system.n)), np.empty((12, system.n))
-        velocities[0], accelerations[0] = state.v, memory.acceleration
+    def _stages(self, system: System, memory: Memory, state: State, h: float) -> tuple[Array, Array, Array]:
+        """Positions, velocities and accelerations [12, n] at the stages."""
+        positions, velocities, accelerations = np.empty((3, 12, system.n))
+        positions[0], velocities[0], accelerations[0] = state.q, state.v, memory.acceleration
         for i in range(1, 12):
             row = h * MATRIX[i, :i]
             velocities[i] = v = state.v + row @ accelerations[:i]
-            q = state.q + row @ velocities[:i]
+            positions[i] = q = state.q + row @ velocities[:i]
             accelerations[i], _ = memory.equations.solve(q, v, system.inputs(state.t + NODES[i] * h))
-        return velocities, accelerations
+        return positions, velocities, accelerations
 
     def _error(self, system: System, velocities: Array, accelerations: Array, h: float) -> float:
         """The estimate of Hairer, Norsett and Wanner, II.10: the embedded orders 5 and 3 together, in positions and velocities times h."""
@@ -94,17 +95,15 @@ class ProjectedExplicit:
         fifth, third = size(ERROR_5), size(ERROR_3)
         return fifth**2 / np.sqrt(fifth**2 + 0.01 * third**2) if fifth > 0.0 else 0.0
 
-    def _landed(
-        self, system: System, linear: Linear, memory: Memory, state: State, h: float, q: Array, v: Array, error: float, velocities: Array
-    ) -> Attempt:
+    def _landed(self, system: System, linear: Linear, memory: Memory, t: float, q: Array, v: Array) -> State:
+        """The state at the end of a step, on the joints."""
         if system.m:
             factor = mass_factor(system, linear, q)
             q = project_positions(system, linear, q, factor=factor, sweeps=8)
             v = project_velocities(system, factor, q, v)
-        acceleration, multipliers = memory.equations.solve(q, v, system.inputs(state.t + h))
+        acceleration, multipliers = memory.equations.solve(q, v, system.inputs(t))
         stress = system.stress(system.strains(q), v) if system.n_stresses else np.zeros(0)
-        after = State(state.t + h, q, v, multipliers, stress, memory._replace(acceleration=acceleration))
-        return Attempt(after, error, 8.0, 0.0, 12)
+        return State(t, q, v, multipliers, stress, memory._replace(acceleration=acceleration))
 
     def inside(self, system: System, linear: Linear, before: State, after: State, times: Array) -> tuple[Array, Array]:
         """q, v [n_t, n] at times within a step: the ends of steps of their own from its start, as accurate as the step itself."""

@@ -31,7 +31,7 @@ class Attempt(NamedTuple):
     rate         Newton's contraction: the largest ratio of successive changes
     solves       Newton iterations spent
     failure      what went wrong, or ""
-    worst        the equation with the largest residual (index into rows), or the coordinate n + ... is not meant: -1 for none
+    worst        the equation with the largest residual (an index into the rows), -1 where none is to blame
     nodes        times [s], q [s, n], v [s, n] and weights [s] of the step's own quadrature
     """
 

@@ -6,6 +6,7 @@ The stage equations are in ``stages.py``, the coefficients in ``coefficients.py`
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,7 +40,7 @@ class Radau:
     def __post_init__(self) -> None:
         if self.stages not in (None, 3, 5, 7):
             raise ValueError(f"Radau(stages={self.stages!r}): expected 3, 5, 7 or None")
-        if self.step is not None and not (np.isfinite(self.step) and self.step > 0.0):
+        if self.step is not None and not (isinstance(self.step, Real) and 0.0 < self.step < np.inf):
             raise ValueError(f"Radau(step={self.step!r}): expected a positive number of seconds or None")
 
     def integrator(self, rtol: float) -> RadauIIA:

@@ -46,7 +46,7 @@ def mass_factor(system: System, linear: Linear, q: Array) -> Factor:
 def project_positions(system: System, linear: Linear, q: Array, *, factor: Factor | None = None, sweeps: int = 50) -> Array:
     """q with g(q) = 0, by Newton's method (with a given factor: the simplified one); raises Inconsistent where it does not converge."""
     floor = max(CONSISTENT * system.length, 4e-16 * float(np.max(np.abs(q), initial=0.0)))
-    best, fresh = np.inf, factor is None
+    best, fresh, effort = np.inf, factor is None, np.zeros(system.m)
     for _ in range(sweeps):
         joints = system.joints.at(q)
         residual = np.abs(joints.value) * linear.reach
@@ -59,10 +59,11 @@ def project_positions(system: System, linear: Linear, q: Array, *, factor: Facto
         if fresh:
             factor = linear.factor(linear.tangent(joints.gradient))
         assert factor is not None
-        change, _ = factor.solve(np.zeros(system.n), -joints.value)
+        change, pull = factor.solve(np.zeros(system.n), -joints.value)
+        effort = np.abs(pull) / linear.scale[system.n :]
         limit = 0.5 * system.length / max(float(np.max(np.abs(change) * system.levers)), 1e-300)
         q = q + min(1.0, limit) * change
-    stuck = [int(row) for row in np.flatnonzero(residual > 0.1 * worst)]
+    stuck = [int(row) for row in np.flatnonzero((residual > 0.1 * worst) | (effort > 0.1 * np.max(effort, initial=0.0)))]
     raise Inconsistent(Defect(f"positions cannot satisfy them together (a distance of {worst:.6g} remains)", stuck, []))
 
 
@@ -131,9 +132,14 @@ def redundancy(system: System, linear: Linear, q: Array) -> Defect | None:
     if rank < system.m:
         weight = np.max(np.abs(left[:, rank:]), axis=1)
         rows = [int(row) for row in np.flatnonzero(weight > 1e-6)]
-    free = right[rank:] * linear.scale[: system.n]
-    values, vectors = np.linalg.eigh(free @ system.mass(free).T)
-    loose = vectors[:, values < 1e-12].T @ right[rank:]
-    coordinates = [int(c) for c in np.flatnonzero(np.max(np.abs(loose), axis=0, initial=0.0) > 1e-6)]
+    coordinates = _loose(system, linear, right[rank:]) if rank < system.n else []
     what = f"{system.m - rank} of {system.m} equations follow from the others" if rows else "no inertia and no joint determines them"
     return Defect(what, rows, coordinates)
+
+
+def _loose(system: System, linear: Linear, free: Array) -> list[int]:
+    """The coordinates that may move, free [k, n] in scaled units, without moving any mass."""
+    motions = free * linear.scale[: system.n]
+    values, vectors = np.linalg.eigh(motions @ system.mass(motions).T)
+    loose = vectors[:, values < 1e-12].T @ free
+    return [int(c) for c in np.flatnonzero(np.max(np.abs(loose), axis=0, initial=0.0) > 1e-6)]

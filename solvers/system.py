@@ -8,6 +8,7 @@ nothing damps) are diagonal. Matrices come as values on constant patterns: M and
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Protocol
 
 import numpy as np
@@ -37,6 +38,7 @@ class Joints(Protocol):
     rows: Index
     cols: Index
     linear: bool
+    to_rows: Callable[[Array], Array]
 
     def at(self, q: Array) -> JointsAt: ...
 

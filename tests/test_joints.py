@@ -448,5 +448,3 @@ def test_arm_of_a_body_marker() -> None:
         system = scene.build()
         assert marker.point.value(system.q0) == pytest.approx(point, abs=1e-15)
         assert scene["body"].at().point.value(system.q0) == pytest.approx(point - frame @ ARM[d], abs=1e-15)
-
-

@@ -284,8 +284,8 @@ def test_lumped_gravity_is_eq_28() -> None:
     """m g (1/2, l/8, 1/2, -l/8) on an element: slope loads cancel between equal neighbours, the weight stays."""
     scene = mbd.Scene(gravity=(0, -9.81))
     cable(scene, start=(0, 0), end=(2.4, 0), n_elements=2, gravity="lumped")
-    system, l, m = scene.build(), 1.2, 2770 * 0.0018 * 1.2
-    expected = -m * 9.81 * np.array([[0, 0.5], [0, l / 8], [0, 1], [0, 0], [0, 0.5], [0, -l / 8]])
+    system, length, m = scene.build(), 1.2, 2770 * 0.0018 * 1.2
+    expected = -m * 9.81 * np.array([[0, 0.5], [0, length / 8], [0, 1], [0, 0], [0, 0.5], [0, -length / 8]])
     assert system.weight == pytest.approx(expected.ravel(), rel=1e-14, abs=1e-14)
 
 

@@ -12,15 +12,15 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import pytest
+
+import mbd
 import mbd.elements
 import mbd.joints
 import mbd.solvers
-import numpy as np
-import pytest
-from mbd.solvers.linear import Linear
-
-import mbd
 from mbd.constraint import Quadratic
+from mbd.solvers.linear import Linear
 from mbd.system import System
 
 HEAVY = ("sympy", "networkx", "matplotlib", "tqdm", "scipy.sparse", "scipy.integrate", "scipy.optimize")

@@ -74,7 +74,12 @@ BAD: dict[str, tuple[int, Callable[[mbd.Scene], Any], str, str]] = {
     "spatial force in a planar scene": (2, on_body(lambda m: mbd.Force(m, (0, 0, 1), name="it")), "force 'it': vector", "2 numbers"),
     "spatial torque in a planar scene": (2, on_body(lambda m: mbd.Torque(m, (0, 0, 1), name="it")), "torque 'it': value", "a number"),
     "planar torque in a spatial scene": (3, on_body(lambda m: mbd.Torque(m, 1.0, name="it"), 3), "torque 'it': value", "3 numbers"),
-    "spatial ground point in a planar scene": (2, on_body(lambda m: mbd.Pin(m, m.scene.ground.at(0, 0, 0), name="it")), "pin 'it': marker", "do not mix"),
+    "spatial ground point in a planar scene": (
+        2,
+        on_body(lambda m: mbd.Pin(m, m.scene.ground.at(0, 0, 0), name="it")),
+        "pin 'it': marker",
+        "do not mix",
+    ),
     "marker of a spatial scene": (2, alien(2, 3), "pin 'it': marker", "do not mix"),
     "marker of a planar scene": (3, alien(3, 2), "pin 'it': marker", "do not mix"),
     "rotation matrix in a planar scene": (2, add(body(rotation=np.eye(3))), "body 'it': rotation", "angle="),
@@ -153,10 +158,25 @@ BAD: dict[str, tuple[int, Callable[[mbd.Scene], Any], str, str]] = {
     ),
     "torque along a spatial cable": (3, on_cable(lambda m: mbd.Torque(m, (1, 2, 0), name="it")), "torque 'it': ", "no component along"),
     "varying torque along a spatial cable": (3, on_cable(lambda m: mbd.Torque(m, lambda t: (1, t, 0), name="it")), "torque 'it': ", "no component"),
-    "follower torque on a spatial cable": (3, on_cable(lambda m: mbd.Torque(m, (0, 1, 0), follower=True, name="it")), "torque 'it': follower", "dead"),
-    "follower force across a spatial cable": (3, on_cable(lambda m: mbd.Force(m, (0, 1, 0), follower=True, name="it")), "force 'it': vector", "tangent"),
+    "follower torque on a spatial cable": (
+        3,
+        on_cable(lambda m: mbd.Torque(m, (0, 1, 0), follower=True, name="it")),
+        "torque 'it': follower",
+        "dead",
+    ),
+    "follower force across a spatial cable": (
+        3,
+        on_cable(lambda m: mbd.Force(m, (0, 1, 0), follower=True, name="it")),
+        "force 'it': vector",
+        "tangent",
+    ),
     "distance of zero": (2, on_origin(mbd.Distance, length=0), "distance 'it': length", "0.0"),
-    "distance between coinciding points": (2, on_body(lambda m: mbd.Distance(m, m.scene.ground.at(1, 1), name="it")), "distance 'it': markers", "Ball"),
+    "distance between coinciding points": (
+        2,
+        on_body(lambda m: mbd.Distance(m, m.scene.ground.at(1, 1), name="it")),
+        "distance 'it': markers",
+        "Ball",
+    ),
     "spring of a length between coinciding points": (
         2,
         on_body(lambda m: mbd.Spring(m, m.scene.ground.at(1, 1), stiffness=1, length=1, name="it")),
@@ -223,7 +243,9 @@ BAD: dict[str, tuple[int, Callable[[mbd.Scene], Any], str, str]] = {
 NANS: dict[str, tuple[int, Callable[[mbd.Scene], Any], str]] = {
     **{f"body {f}": (2, add(body(**{f: NAN})), f"body 'it': {f}") for f in ("mass", "inertia", "angle", "angular_velocity")},
     **{f"body {f}": (2, add(body(**{f: (0, NAN)})), f"body 'it': {f}") for f in ("position", "velocity")},
-    **{f"spatial body {f}": (3, add(body(3, **{f: (0, 0, NAN)})), f"body 'it': {f}") for f in ("position", "velocity", "angular_velocity", "inertia")},
+    **{
+        f"spatial body {f}": (3, add(body(3, **{f: (0, 0, NAN)})), f"body 'it': {f}") for f in ("position", "velocity", "angular_velocity", "inertia")
+    },
     "spatial body rotation": (3, add(body(3, rotation=np.eye(3) * NAN)), "body 'it': rotation"),
     "spatial body inertia matrix": (3, add(body(3, inertia=np.eye(3) * NAN)), "body 'it': inertia"),
     "rod end": (2, add(mbd.RigidBody.rod((0, NAN), (1, 0), mass=1, name="it")), "body 'it': position"),
@@ -461,14 +483,7 @@ CONFLICTING = {
 
 
 # Known debts: see the reasons; strict, so that mending them shows here.
-DEBTS = {
-    "out of reach": "the conflict names the bodies that Newton's method tears, not the joints on them (assembly._conflict)",
-    "a clamp too many": "System.mass fails on an empty batch when nothing is left free (start.redundancy)",
-}
-CONFLICTS = [pytest.param(case, marks=pytest.mark.xfail(case in DEBTS, reason=DEBTS.get(case, ""), strict=True)) for case in CONFLICTING]
-
-
-@pytest.mark.parametrize("case", CONFLICTS)
+@pytest.mark.parametrize("case", CONFLICTING)
 def test_conflicting_joints_are_refused_by_name(case: str) -> None:
     extra, names = CONFLICTING[case]
     for use in (mbd.assemble, lambda scene: mbd.simulate(scene, t_end=0.1)):

@@ -1,0 +1,66 @@
+"""How long the next step is: by the estimated error, by its trend, and by what Newton's iteration contracted or could not take."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .protocol import Attempt
+
+SAFETY, SHRINK, GROW = 0.85, 0.2, 5.0
+CONTRACTION = 0.35
+"""Newton's rate that steps aim at. Where tolerances are loose it is what limits them, and it grows with about their fourth power."""
+
+BELOW_FAILURE, RELAX = 0.7, 1.1
+"""After a failed iteration steps stay below this share of the failed one; the limit relaxes by this factor with each easy step."""
+
+
+class Pace:
+    """The step sizes of one run to t_end: adaptive from a first step, or ``fixed`` on a grid to which it returns after a division."""
+
+    def __init__(self, t: float, t_end: float, first: float, fixed: float | None):
+        self.start, self.t_end, self.fixed = t, t_end, fixed
+        self.h = fixed or min(first, t_end - t)
+        self._ceiling = np.inf
+        self._last: tuple[float, float] | None = None
+
+    def offer(self, t: float) -> float:
+        """The step to try at t; lands on t_end without a tiny last step."""
+        remaining = self.t_end - t
+        if self.h >= remaining * (1.0 - 1e-10):
+            return remaining
+        if self.fixed is None and self.h > 0.55 * remaining:
+            return 0.5 * remaining
+        return self.h
+
+    def accepted(self, t: float, h: float, attempt: Attempt) -> None:
+        """After a step of length h that ended at t."""
+        if self.fixed is not None:
+            done = (t - self.start) / self.fixed
+            whole = round(done) if abs(done - round(done)) < 1e-6 else np.floor(done)
+            self.h = min(self.fixed, self.start + (whole + 1) * self.fixed - t)
+            return
+        self._ceiling *= RELAX if attempt.rate < CONTRACTION else 1.0
+        self.h = min(h * self._growth(h, attempt), self._ceiling)
+
+    def failed(self, h: float) -> None:
+        """After an iteration that did not converge."""
+        self.h, self._ceiling = 0.5 * h, BELOW_FAILURE * h
+
+    def rejected(self, h: float, attempt: Attempt) -> None:
+        """After a step whose error was above the tolerance."""
+        self.h = h * max(SHRINK, SAFETY * attempt.error ** (-1.0 / attempt.order))
+
+    def exhausted(self, t: float) -> bool:
+        """Whether the step is too short to go on."""
+        return self.h < 1e-12 * (self.t_end - self.start) or self.h < 4.0 * np.spacing(max(abs(t), abs(self.t_end)))
+
+    def _growth(self, h: float, attempt: Attempt) -> float:
+        """The factor by the error, its trend (Gustafsson 1994, ACM Trans. Math. Softw. 20), and the contraction."""
+        error = max(attempt.error, 1e-8)
+        factor = SAFETY * error ** (-1.0 / attempt.order)
+        if self._last is not None:
+            last_h, last_error = self._last
+            factor = min(factor, SAFETY * (h / last_h) * (last_error / error**2) ** (1.0 / attempt.order))
+        self._last = (h, error)
+        by_contraction = (CONTRACTION / max(attempt.rate, 1e-4)) ** 0.25
+        return min(max(factor, SHRINK), max(by_contraction, 0.5), GROW)
