@@ -4,9 +4,10 @@ if __name__ != "mbd.elements":
     raise ImportError(f"import mbd.elements, not {__name__}: loaded twice, every class would exist twice")
 
 from .ancf_cable import AncfCable
-from .load import Force, Torque
+from .force import Force
 from .particle import Particle
 from .rigid import RigidBody
 from .spring import Spring, TorsionSpring
+from .torque import Torque
 
 __all__ = ["AncfCable", "Force", "Particle", "RigidBody", "Spring", "Torque", "TorsionSpring"]

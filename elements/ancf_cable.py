@@ -6,12 +6,11 @@ from one of two strain kernels: ``continuum.py`` or, for the element of the pape
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from mbd import validate
 from mbd.affine import Affine
@@ -20,7 +19,8 @@ from mbd.marker import Marker
 
 from .continuum import Continuum
 from .local_frame import LocalFrame
-from .shapes import MASS, WEIGHT, WEIGHT_LUMPED, gauss, hermite, hermite_slope
+from .rest_shape import arc_parameter, backward, element_lengths, spline_tangents, straight
+from .shapes import MASS, WEIGHT, WEIGHT_LUMPED, hermite, hermite_slope
 
 if TYPE_CHECKING:
     from mbd.model import Model
@@ -78,9 +78,9 @@ class AncfCable:
                 shape = [f"length: expected elements longer than zero, found {validate.show(chords)} [m]; move the nodes or ends apart"]
             elif np.any(np.linalg.norm(tangents, axis=1) == 0.0):
                 shape = ["tangents: expected vectors dr/ds, found a zero one; give directions of unit length"]
-            elif (back := np.flatnonzero(_backward(nodes, tangents))).size:
+            elif (back := np.flatnonzero(backward(nodes, tangents))).size:
                 shape = [f"tangents: expected directions along the elements, found one against them at node {back[0]}; turn it, or give more nodes"]
-            elif (dimension == 3 or self.elasticity == "local_frame") and not _straight(nodes, tangents):
+            elif (dimension == 3 or self.elasticity == "local_frame") and not straight(nodes, tangents):
                 spatial, chord = "a cable without torsion has no frame to carry its rest curvature", "the chord-frame element is straight at rest"
                 why = spatial if dimension == 3 else chord
                 shape = [f"nodes: expected a straight rest shape, found a curved one ({why}); use a planar 'continuum' cable or straight pieces"]
@@ -127,11 +127,11 @@ class AncfCable:
             nodes = (1.0 - fraction) * self.start + fraction * self.end
             axis = self.end - self.start
             return nodes, np.tile(axis / max(np.linalg.norm(axis), 1e-300), (len(nodes), 1))
-        return self.nodes, _spline_tangents(self.nodes) if self.tangents is None else self.tangents
+        return self.nodes, spline_tangents(self.nodes) if self.tangents is None else self.tangents
 
     def place(self, site: Site) -> Cable:
         nodes, tangents = self._curve()
-        lengths = _element_lengths(nodes, tangents)
+        lengths = element_lengths(nodes, tangents)
         around = np.concatenate((lengths[:1], lengths)), np.concatenate((lengths, lengths[-1:]))
         levers = np.stack((np.ones(len(nodes)), np.sqrt(MASS[1, 1] / MASS[0, 0]) * np.maximum(*around)), axis=1)
         values = np.stack((nodes, tangents), axis=1)
@@ -163,7 +163,7 @@ class Cable:
         ends = np.concatenate(([0.0], np.cumsum(self.lengths)))
         element = int(np.clip(np.searchsorted(ends, s * ends[-1], side="right") - 1, 0, len(self.lengths) - 1))
         length = self.lengths[element]
-        xi = _arc_parameter(self.rest[element : element + 2].reshape(4, -1), length, (s * ends[-1] - ends[element]) / length)
+        xi = arc_parameter(self.rest[element : element + 2].reshape(4, -1), length, (s * ends[-1] - ends[element]) / length)
         scale = np.array([1.0, length, 1.0, length])
         rows, d = self.rows[element : element + 2].ravel(), self.rest.shape[-1]
         point, slope = hermite(xi) * scale, hermite_slope(xi) * scale / length
@@ -193,81 +193,3 @@ class Cable:
         else:
             rest = np.concatenate((self.rest[:-1], self.rest[1:]), axis=1)
             model.strain(Continuum, (c.gauss_points,), labels, rest=np.swapaxes(rest, 1, 2), **common)
-
-
-def _spline_tangents(nodes: Array) -> Array:
-    """Unit tangents of the natural cubic spline through the nodes, by chord length."""
-    h = np.linalg.norm(np.diff(nodes, axis=0), axis=1)
-    n = len(nodes)
-    matrix, right = np.zeros((n, n)), np.zeros_like(nodes)
-    slope = np.diff(nodes, axis=0) / np.maximum(h, 1e-300)[:, None]
-    for k in range(1, n - 1):
-        matrix[k, k - 1 : k + 2] = h[k], 2.0 * (h[k - 1] + h[k]), h[k - 1]
-        right[k] = 3.0 * (h[k] * slope[k - 1] + h[k - 1] * slope[k])
-    matrix[0, :2], matrix[-1, -2:] = (2.0, 1.0), (1.0, 2.0)
-    right[0], right[-1] = 3.0 * slope[0], 3.0 * slope[-1]
-    tangents = np.linalg.solve(matrix, right)
-    return tangents / np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), 1e-300)
-
-
-def _speed(nodal: Array, lengths: Array, xi: Array) -> Array:
-    """|dr/dxi| [n, n_xi] of elements with nodal vectors [n, 4, d]."""
-    scale = np.stack((np.ones_like(lengths), lengths, np.ones_like(lengths), lengths), axis=1)[:, :, None]
-    return np.linalg.norm(np.einsum("nad,ag->ngd", nodal * scale, hermite_slope(xi)), axis=-1)
-
-
-def _element_lengths(nodes: Array, tangents: Array) -> Array:
-    """Arc lengths l [n] of the elements; the slopes are dr/dx with x from 0 to l.
-
-    Those of the smoothest planar curves with the given end points and tangent directions: the angle to the chord is
-    theta(u) = a (1 - u) + b u + c u (1 - u), with c such that int sin theta = 0, and l = chord / int cos theta. Exact for circles.
-    """
-    chord = np.diff(nodes, axis=0)
-    lengths = np.linalg.norm(chord, axis=1)
-    if nodes.shape[1] == 3:
-        return lengths
-    axis = chord @ np.array([1.0, 1j])
-    slope = tangents @ np.array([1.0, 1j])
-    a, b = np.angle(slope[:-1] / axis)[:, None], np.angle(slope[1:] / axis)[:, None]
-    u, weight = gauss(16)
-    c = np.zeros_like(a)
-    for _ in range(30):
-        theta = a * (1.0 - u) + b * u + c * u * (1.0 - u)
-        change = (np.sin(theta) @ weight) / ((u * (1.0 - u) * np.cos(theta)) @ weight)
-        c = c - change[:, None]
-        if np.max(np.abs(change)) < 1e-14:
-            break
-    return lengths / (np.cos(a * (1.0 - u) + b * u + c * u * (1.0 - u)) @ weight)
-
-
-def _arc_parameter(nodal: Array, length: float, fraction: float) -> float:
-    """xi at a fraction of the element's arc length: Newton's method on the arc length."""
-    points, weight = gauss(16)
-    lengths, xi = np.array([length]), float(np.clip(fraction, 0.0, 1.0))
-    if xi in (0.0, 1.0):
-        return xi
-    whole = float((_speed(nodal[None], lengths, points) @ weight)[0])
-    for _ in range(20):
-        arc = xi * float((_speed(nodal[None], lengths, xi * points) @ weight)[0])
-        change = (fraction * whole - arc) / float(_speed(nodal[None], lengths, np.array([xi]))[0, 0])
-        xi = min(max(xi + change, 0.0), 1.0)
-        if abs(change) < 1e-15:
-            break
-    return xi
-
-
-def _backward(nodes: Array, tangents: Array) -> NDArray[np.bool_]:
-    """[n + 1]: nodes whose tangent makes more than a right angle with a chord beside it."""
-    chords = np.diff(nodes, axis=0)
-    along = np.sum(chords * tangents[:-1], axis=1) < 0.0, np.sum(chords * tangents[1:], axis=1) < 0.0
-    return np.append(along[0], False) | np.append(False, along[1])
-
-
-def _straight(nodes: Array, tangents: Array) -> bool:
-    axis = (nodes[-1] - nodes[0]) / max(np.linalg.norm(nodes[-1] - nodes[0]), 1e-300)
-    vectors: Sequence[ArrayLike] = (np.diff(nodes, axis=0), tangents)
-    for group in vectors:
-        unit = np.asarray(group) / np.linalg.norm(group, axis=1, keepdims=True)
-        if np.max(np.abs(unit - axis)) > 1e-9:
-            return False
-    return True

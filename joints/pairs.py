@@ -7,69 +7,18 @@ give values, gradients and curvatures in the system, and the joint's reaction on
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mbd import validate
-from mbd.affine import Affine, Array
-from mbd.marker import Marker, frame
-from mbd.rows import Row, coincide, cross, distance, dot, parallel
+from mbd.marker import Marker
+from mbd.rows import Row, cross, distance, dot, parallel
+
+from .placed import PlacedJoint, Pose, fixed_in, normals, points
 
 if TYPE_CHECKING:
-    from mbd.model import Model
     from mbd.scene import Site
-
-
-class Pose(NamedTuple):
-    """Two markers at the start: their axes as columns [d, n_axes], and the distance between them [m]."""
-
-    axes_a: Array
-    axes_b: Array
-    apart: float
-
-
-def pose_of(a: Marker, b: Marker, q: Array) -> Pose:
-    d = a.dimension
-    axes = [frame(marker, q) if marker.turns() else np.zeros((d, 0)) for marker in (a, b)]
-    return Pose(axes[0], axes[1], float(np.linalg.norm((a.point - b.point).value(q))))
-
-
-class PlacedJoint:
-    """A joint in a scene; ``pivot = scene.add(mbd.Pin(...))``, then ``result.reaction(pivot)``."""
-
-    def __init__(self, description: Any, site: Site, scalars: list[int]):
-        self.description, self.name, self.site, self.scalars = description, site.name, site, scalars
-
-    def pose(self, q0: Array) -> Pose:
-        """The markers at the start coordinates q0 [n]."""
-        return pose_of(self.description.a, self.description.b, q0)
-
-    def assemble(self, model: Model) -> None:
-        joint, pose = self.description, self.pose(model.q0)
-        for complaint in joint.misfits(pose):
-            model.complain(self, complaint)
-            return
-        for label, row in joint.rows(joint.a, joint.b, pose, self.scalars):
-            model.equation(self.name, label, row)
-
-
-def _fixed_in(marker: Marker, axes: Array, direction: Array) -> Affine:
-    """The direction [3] at the start as an axis that turns with a rigid spatial marker."""
-    parts = [axis.scaled(float(c)) for axis, c in zip(marker.axes, axes.T @ direction)]
-    return parts[0] + parts[1] + parts[2]
-
-
-def _normals(axis: Array) -> tuple[Array, Array]:
-    """Two unit vectors perpendicular to an axis [3] and to each other."""
-    first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-    first /= np.linalg.norm(first)
-    second = np.cross(axis, first)
-    return first, second / np.linalg.norm(second)
-
-
-def _points(a: Marker, b: Marker) -> list[tuple[str, Row]]:
-    return [(f"position {axis}", row) for axis, row in zip("xyz", coincide(a.point, b.point))]
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,13 +68,13 @@ class Pin:
 
     def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
         if self.axis is None:
-            return _points(a, b)
+            return points(a, b)
         unit = self.axis / np.linalg.norm(self.axis)
         if not (a.rigid and b.rigid):
             body, axes, cable = (a, pose.axes_a, b) if a.rigid else (b, pose.axes_b, a)
-            return [*_points(a, b), ("axis", dot(_fixed_in(body, axes, unit), cable.axes[0]))]
-        axle = _fixed_in(a, pose.axes_a, unit)
-        return _points(a, b) + [(f"axis {k + 1}", dot(axle, _fixed_in(b, pose.axes_b, n))) for k, n in enumerate(_normals(unit))]
+            return [*points(a, b), ("axis", dot(fixed_in(body, axes, unit), cable.axes[0]))]
+        axle = fixed_in(a, pose.axes_a, unit)
+        return points(a, b) + [(f"axis {k + 1}", dot(axle, fixed_in(b, pose.axes_b, n))) for k, n in enumerate(normals(unit))]
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +101,7 @@ class Ball:
         return []
 
     def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
-        return _points(a, b)
+        return points(a, b)
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,15 +177,15 @@ class Clamp:
     def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
         if a.dimension == 2:
             turn = complex(*pose.axes_a[:, 0]) / complex(*pose.axes_b[:, 0])
-            return [*_points(a, b), ("direction", cross(a.axes[0], b.axes[0].scaled(turn / abs(turn))))]
+            return [*points(a, b), ("direction", cross(a.axes[0], b.axes[0].scaled(turn / abs(turn))))]
         if a.rigid and b.rigid:
-            mates = [_fixed_in(b, pose.axes_b, axis) for axis in pose.axes_a.T]
-            return _points(a, b) + [(f"axis {k + 1}", dot(a.axes[k], mates[(k + 1) % 3])) for k in range(3)]
+            mates = [fixed_in(b, pose.axes_b, axis) for axis in pose.axes_a.T]
+            return points(a, b) + [(f"axis {k + 1}", dot(a.axes[k], mates[(k + 1) % 3])) for k in range(3)]
         if not (a.rigid or b.rigid):
-            return _points(a, b) + [(f"tangent {axis}", row) for axis, row in zip("xyz", parallel(a.axes[0], b.axes[0], scalars[0]))]
+            return points(a, b) + [(f"tangent {axis}", row) for axis, row in zip("xyz", parallel(a.axes[0], b.axes[0], scalars[0]))]
         body, axes, cable, tangent = (a, pose.axes_a, b, pose.axes_b) if a.rigid else (b, pose.axes_b, a, pose.axes_a)
-        normals = _normals(tangent[:, 0] / np.linalg.norm(tangent[:, 0]))
-        return _points(a, b) + [(f"tangent {k + 1}", dot(_fixed_in(body, axes, n), cable.axes[0])) for k, n in enumerate(normals)]
+        across = normals(tangent[:, 0] / np.linalg.norm(tangent[:, 0]))
+        return points(a, b) + [(f"tangent {k + 1}", dot(fixed_in(body, axes, n), cable.axes[0])) for k, n in enumerate(across)]
 
 
 def _stretch_ratio(a: Marker, b: Marker, site: Site) -> tuple[float, float]:

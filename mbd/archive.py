@@ -172,7 +172,8 @@ def _restored(head: dict[str, Any], arrays: dict[str, Array]) -> Result:
     solver = getattr(solvers, head["solver"]["class"])(**head["solver"]["fields"])
     states = [SolverState(*state) for state in zip(t.tolist(), *(arrays[name] for name in STATE[1:]))]
     assembly = _assembly(head, system, State(q[0], v[0], float(t[0])))
-    result = Result(scene, system, Trajectory(t, q, v, work, states, solver, solver.integrator(float(head["rtol"])), assembly.linear), head["stats"], assembly, None)
+    trajectory = Trajectory(t, q, v, work, states, solver, solver.integrator(float(head["rtol"])), assembly.linear)
+    result = Result(scene, system, trajectory, head["stats"], assembly, None)
     if CHOSEN[0] in arrays:
         result.t, result.q, result.v = (arrays[name] for name in CHOSEN)
     return result

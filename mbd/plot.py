@@ -20,7 +20,8 @@ from .elements.ancf_cable import Cable
 from .elements.particle import PlacedParticle
 from .elements.rigid import Body
 from .elements.spring import PlacedSpring
-from .joints.pairs import Distance, PlacedJoint
+from .joints.pairs import Distance
+from .joints.placed import PlacedJoint
 from .marker import Marker
 
 if TYPE_CHECKING:

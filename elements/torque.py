@@ -1,0 +1,170 @@
+"""Torques at markers that carry axes: constants or functions of time, dead or following the marker.
+
+    f_a = c T x e_a / |e_a|^2      on every axis e_a that the marker carries: c = 1 (one axis), 1/2 (three)
+
+It does the work T . rotation; T in inertial axes, or T = sum_k T_k u_k, u_k = e_k / |e_k|, where it follows. A torque component along a
+thin spatial cable does no work and is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mbd.affine import Affine, Array
+from mbd.errors import SimulationError
+from mbd.maps import Maps
+from mbd.marker import Marker
+from mbd.signal import Signal
+
+from .load_axes import Axes, inverse_gradient, samples, unit_gradient
+
+if TYPE_CHECKING:
+    from mbd.model import Model
+    from mbd.scene import Site
+
+
+@dataclass(frozen=True, eq=False)
+class Torque:
+    """A torque [N m] at a marker that carries an axis: a number (planar, counter-clockwise) or [3] (spatial, inertial axes;
+    with follower=True in the marker's axes), or callable(t)."""
+
+    marker: Marker
+    value: Any
+    follower: bool = field(default=False, kw_only=True)
+    name: str | None = field(default=None, kw_only=True)
+
+    kind = "torque"
+
+    @property
+    def markers(self) -> tuple[Marker, ...]:
+        return (self.marker,)
+
+    def faults(self, dimension: int) -> list[str]:
+        signal = Signal(self.value, () if dimension == 2 else (3,), "", "[N m]")
+        found = signal.faults("value")
+        if not self.marker.turns():
+            return [*found, f"marker: expected one that can turn, found {self.marker!r}; attach it to a body or a cable"]
+        if dimension == 3 and not self.marker.rigid and self.follower:
+            found.append("follower: expected a dead torque on a thin spatial cable (its axes are not defined), found follower=True; leave it out")
+        return found
+
+    def place(self, site: Site) -> PlacedTorque:
+        return PlacedTorque(self, site)
+
+
+class PlacedTorque:
+    """A torque in a scene."""
+
+    def __init__(self, description: Torque, site: Site):
+        self.description, self.name, self.site = description, site.name, site
+
+    def assemble(self, model: Model) -> None:
+        t = self.description
+        if t.marker.dimension == 2:
+            model.load(PlanarTorques, (), axes=[t.marker.axes[0]], signals=[Signal(t.value, (), self.name, "[N m]")])
+            return
+        signal = Signal(t.value, (3,), self.name, "[N m]")
+        if not t.marker.rigid:
+            torque, tangent = self._now(signal), t.marker.axes[0].value(model.q0)
+            along = abs(torque @ tangent) / np.linalg.norm(tangent)
+            if along > 1e-9 * np.linalg.norm(torque):
+                model.complain(self, f"expected no component along the thin cable (it has no torsion), found {along:.6g} N m; remove it")
+                return
+        kernel = FollowerTorques if t.follower else DeadTorques
+        model.load(kernel, (len(t.marker.axes),), axes=[t.marker.axes], signals=[signal])
+
+    def _now(self, signal: Signal) -> Array:
+        """[3] at t = 0; zero where a function fails there: the run that calls it says so."""
+        try:
+            return signal.sample(np.zeros(1))[0]
+        except SimulationError:
+            return np.zeros(3)
+
+
+class PlanarTorques:
+    """The kernel of all planar torques."""
+
+    def __init__(self, *, axes: Sequence[Affine], signals: Sequence[Signal]):
+        self.maps, self.signals = Maps(axes), signals
+        self.dofs = self.maps.dofs
+        self.constant_in_q = False
+        self._quarter = np.array([[0.0, -1.0], [1.0, 0.0]])
+
+    def inputs(self, times: Array) -> Array:
+        return samples(self.signals, times)
+
+    def force(self, q: Array, inputs: Array) -> Array:
+        e = self.maps.value(q)
+        return self.maps.pull(inputs[..., None] * (e @ self._quarter.T) / np.sum(e**2, axis=-1, keepdims=True))
+
+    def gradient(self, q: Array, inputs: Array) -> Array:
+        p = self.maps.matrix
+        return np.swapaxes(p, -1, -2) @ (inputs[..., None, None] * self._quarter @ inverse_gradient(self.maps.value(q))) @ p
+
+
+class _SpatialTorques:
+    """What dead and follower torques share: T x e_a / |e_a|^2 on each axis for a torque T(q) [..., n, 3] with gradient [..., n, 3, k]."""
+
+    def __init__(self, count: int, axes: Sequence[Sequence[Affine]], signals: Sequence[Signal]):
+        self.axes, self.signals, self.share = Axes(axes), signals, 1.0 if count == 1 else 0.5
+        self.dofs = self.axes.dofs
+
+    def force(self, q: Array, torque: Array) -> Array:
+        e = self.axes.value(q)
+        on_axes = self.share * np.cross(torque[..., None, :], e) / np.sum(e**2, axis=-1, keepdims=True)
+        return np.einsum("...nad,nadk->...nk", on_axes, self.axes.matrix)
+
+    def gradient(self, q: Array, torque: Array, torque_gradient: Array | None) -> Array:
+        e = self.axes.value(q)
+        by_axis = inverse_gradient(e) @ self.axes.matrix
+        turned = np.cross(torque[..., None, :, None], by_axis, axisa=-2, axisb=-2, axisc=-2)
+        if torque_gradient is not None:
+            arm = (e / np.sum(e**2, axis=-1, keepdims=True))[..., None]
+            turned = turned + np.cross(torque_gradient[..., None, :, :], arm, axisa=-2, axisb=-2, axisc=-2)
+        return self.share * np.einsum("nadk,...nadl->...nkl", self.axes.matrix, turned)
+
+
+class DeadTorques:
+    """The kernel of all spatial torques of given direction."""
+
+    def __init__(self, count: int, *, axes: Sequence[Sequence[Affine]], signals: Sequence[Signal]):
+        self.common, self.signals = _SpatialTorques(count, axes, signals), signals
+        self.dofs = self.common.dofs
+        self.constant_in_q = False
+
+    def inputs(self, times: Array) -> Array:
+        return samples(self.signals, times)
+
+    def force(self, q: Array, inputs: Array) -> Array:
+        return self.common.force(q, inputs)
+
+    def gradient(self, q: Array, inputs: Array) -> Array:
+        return self.common.gradient(q, inputs, None)
+
+
+class FollowerTorques:
+    """The kernel of all spatial torques that turn with their body."""
+
+    def __init__(self, count: int, *, axes: Sequence[Sequence[Affine]], signals: Sequence[Signal]):
+        self.common, self.signals = _SpatialTorques(count, axes, signals), signals
+        self.dofs = self.common.dofs
+        self.constant_in_q = False
+
+    def inputs(self, times: Array) -> Array:
+        return samples(self.signals, times)
+
+    def _torque(self, q: Array, inputs: Array) -> Array:
+        e = self.common.axes.value(q)
+        return np.einsum("...na,...nad->...nd", inputs, e / np.linalg.norm(e, axis=-1, keepdims=True))
+
+    def force(self, q: Array, inputs: Array) -> Array:
+        return self.common.force(q, self._torque(q, inputs))
+
+    def gradient(self, q: Array, inputs: Array) -> Array:
+        axes = self.common.axes
+        by = np.einsum("...na,...nade,naek->...ndk", inputs, unit_gradient(axes.value(q)), axes.matrix)
+        return self.common.gradient(q, self._torque(q, inputs), by)
