@@ -92,7 +92,7 @@ class Quadratic:
         keys, slot = np.unique(row * n + column, return_inverse=True)
         self.rows, self.cols = keys // n, keys % n
         constant = factor == ONE
-        self.fixed = np.bincount(slot[constant], coefficient[constant], minlength=keys.size)
+        self.fixed: Array = np.bincount(slot[constant], coefficient[constant], minlength=keys.size).astype(float)
         order = np.argsort(slot[~constant], kind="stable")
         self.gradient_factor = factor[~constant][order]
         self.gradient_coefficient = coefficient[~constant][order]
