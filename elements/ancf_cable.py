@@ -7,6 +7,7 @@ from one of two strain kernels: ``continuum.py`` or, for the element of the pape
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -148,11 +149,11 @@ class Cable:
         self.rows, self.lengths, self.rest = rows, lengths, rest
         self.length = float(lengths.sum())
 
-    @property
+    @cached_property
     def start(self) -> Marker:
         return self.at(0.0)
 
-    @property
+    @cached_property
     def end(self) -> Marker:
         return self.at(1.0)
 

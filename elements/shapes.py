@@ -6,6 +6,8 @@ xi = x / l alone. Escalona, Hussien and Shabana (1998), eq. 1.
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -30,6 +32,7 @@ def hermite_bend(xi: ArrayLike) -> Array:
     return np.array([12 * x - 6, 6 * x - 4, 6 - 12 * x, 6 * x - 2])
 
 
+@cache
 def gauss(points: int) -> tuple[Array, Array]:
     """Points and weights on [0, 1]: exact for polynomials up to degree 2 points - 1."""
     x, w = np.polynomial.legendre.leggauss(points)

@@ -13,9 +13,9 @@ import numpy as np
 
 from mbd import validate
 from mbd.marker import Marker
-from mbd.rows import Row, cross, distance, dot, parallel
+from mbd.rows import Row, distance, dot, parallel
 
-from .placed import PlacedJoint, Pose, fixed_in, normals, points
+from .placed import PlacedJoint, Pose, directions, fixed_in, normals, points
 
 if TYPE_CHECKING:
     from mbd.scene import Site
@@ -175,17 +175,9 @@ class Clamp:
         return []
 
     def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
-        if a.dimension == 2:
-            turn = complex(*pose.axes_a[:, 0]) / complex(*pose.axes_b[:, 0])
-            return [*points(a, b), ("direction", cross(a.axes[0], b.axes[0].scaled(turn / abs(turn))))]
-        if a.rigid and b.rigid:
-            mates = [fixed_in(b, pose.axes_b, axis) for axis in pose.axes_a.T]
-            return points(a, b) + [(f"axis {k + 1}", dot(a.axes[k], mates[(k + 1) % 3])) for k in range(3)]
-        if not (a.rigid or b.rigid):
+        if scalars:
             return points(a, b) + [(f"tangent {axis}", row) for axis, row in zip("xyz", parallel(a.axes[0], b.axes[0], scalars[0]))]
-        body, axes, cable, tangent = (a, pose.axes_a, b, pose.axes_b) if a.rigid else (b, pose.axes_b, a, pose.axes_a)
-        across = normals(tangent[:, 0] / np.linalg.norm(tangent[:, 0]))
-        return points(a, b) + [(f"tangent {k + 1}", dot(fixed_in(body, axes, n), cable.axes[0])) for k, n in enumerate(across)]
+        return points(a, b) + directions(a, b, pose)
 
 
 def _stretch_ratio(a: Marker, b: Marker, site: Site) -> tuple[float, float]:

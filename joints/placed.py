@@ -8,7 +8,7 @@ import numpy as np
 
 from mbd.affine import Affine, Array
 from mbd.marker import Marker, frame
-from mbd.rows import Row, coincide
+from mbd.rows import Row, coincide, cross, dot
 
 if TYPE_CHECKING:
     from mbd.model import Model
@@ -39,6 +39,10 @@ class PlacedJoint:
         """The markers at the start coordinates q0 [n]."""
         return pose_of(self.description.a, self.description.b, q0)
 
+    def turns(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[Affine, Affine, int]]:
+        """Turning angles among its equations: none."""
+        return []
+
     def assemble(self, model: Model) -> None:
         joint, pose = self.description, self.pose(model.q0)
         for complaint in joint.misfits(pose):
@@ -64,3 +68,21 @@ def normals(axis: Array) -> tuple[Array, Array]:
 
 def points(a: Marker, b: Marker) -> list[tuple[str, Row]]:
     return [(f"position {axis}", row) for axis, row in zip("xyz", coincide(a.point, b.point))]
+
+
+def mate(pose: Pose) -> complex:
+    """What turns the second planar marker's axis into the direction of the first one's at the start, of length 1."""
+    turn = complex(*pose.axes_a[:, 0]) / complex(*pose.axes_b[:, 0])
+    return turn / abs(turn)
+
+
+def directions(a: Marker, b: Marker, pose: Pose) -> list[tuple[str, Row]]:
+    """Axes keep their relative direction, one of the markers at least being rigid in space; of a cable the tangent is held."""
+    if a.dimension == 2:
+        return [("direction", cross(a.axes[0], b.axes[0].scaled(mate(pose))))]
+    if a.rigid and b.rigid:
+        mates = [fixed_in(b, pose.axes_b, axis) for axis in pose.axes_a.T]
+        return [(f"axis {k + 1}", dot(a.axes[k], mates[(k + 1) % 3])) for k in range(3)]
+    body, axes, cable, tangent = (a, pose.axes_a, b, pose.axes_b) if a.rigid else (b, pose.axes_b, a, pose.axes_a)
+    across = normals(tangent[:, 0] / np.linalg.norm(tangent[:, 0]))
+    return [(f"tangent {k + 1}", dot(fixed_in(body, axes, n), cable.axes[0])) for k, n in enumerate(across)]

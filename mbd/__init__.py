@@ -23,19 +23,25 @@ if TYPE_CHECKING:
     from .assembly import assemble
     from .elements import AncfCable, Force, Particle, RigidBody, Spring, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
-    from .joints import Ball, Clamp, Distance, Pin
+    from .event import Event
+    from .joints import Ball, Clamp, Distance, Motor, Pin, PointOnLine, Prescribed, Slider
     from .marker import Marker
+    from .precision import WorkPrecision, work_precision
     from .result import Result
     from .run import simulate
     from .scene import Scene
-    from .solvers import DormandPrince, GeneralizedAlpha, Radau
+    from .signal import piecewise
+    from .solvers import Automatic, DormandPrince, Gauss, GeneralizedAlpha, Radau
     from .state import State
+    from .target import Motion
 
 _HOMES = {
     "elements": ("AncfCable", "Force", "Particle", "RigidBody", "Spring", "TorsionSpring", "Torque"),
-    "joints": ("Ball", "Clamp", "Distance", "Pin"),
-    "solvers": ("DormandPrince", "GeneralizedAlpha", "Radau"),
+    "joints": ("Ball", "Clamp", "Distance", "Motor", "Pin", "PointOnLine", "Prescribed", "Slider"),
+    "solvers": ("Automatic", "DormandPrince", "Gauss", "GeneralizedAlpha", "Radau"),
     "errors": ("SceneError", "SceneWarning", "SimulationError"),
+    "event": ("Event",),
+    "signal": ("piecewise",),
     "marker": ("Marker",),
     "archive": ("load",),
     "result": ("Result",),
@@ -43,21 +49,30 @@ _HOMES = {
     "assembly": ("assemble",),
     "run": ("simulate",),
     "state": ("State",),
+    "precision": ("WorkPrecision", "work_precision"),
+    "target": ("Motion",),
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names}
 
 __version__ = "0.1.0"
 __all__ = [
     "AncfCable",
+    "Automatic",
     "Ball",
     "Clamp",
     "Distance",
     "DormandPrince",
+    "Event",
     "Force",
+    "Gauss",
     "GeneralizedAlpha",
     "Marker",
+    "Motion",
+    "Motor",
     "Particle",
     "Pin",
+    "PointOnLine",
+    "Prescribed",
     "Radau",
     "Result",
     "RigidBody",
@@ -65,14 +80,18 @@ __all__ = [
     "SceneError",
     "SceneWarning",
     "SimulationError",
+    "Slider",
     "Spring",
     "State",
     "Torque",
     "TorsionSpring",
+    "WorkPrecision",
     "__version__",
     "assemble",
     "load",
+    "piecewise",
     "simulate",
+    "work_precision",
 ]
 
 

@@ -20,7 +20,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -28,9 +28,10 @@ import numpy as np
 
 from . import __version__, solvers
 from .affine import Array
-from .assembly import Assembly, Correction, consistent
+from .assembly import Assembly, Correction, prepare
 from .descriptions import described, functions, rebuilt
 from .errors import SceneWarning, SimulationError
+from .event import Events, Times
 from .result import Result
 from .solvers.protocol import State as SolverState
 from .state import State
@@ -43,6 +44,8 @@ STATE = tuple(name for name in SolverState._fields if name != "memory")
 ARRAYS = (*STATE, "work")
 CHOSEN = ("chosen_t", "chosen_q", "chosen_v")
 """The times that ``t_eval`` asked for and the values there; only in results that have them."""
+EVENTS = ("event_t", "event_q", "event_v")
+"""Times and states of all events, one after the other; the head says how many belong to which."""
 
 
 def save(result: Result, path: str | os.PathLike[str]) -> None:
@@ -59,6 +62,8 @@ def save(result: Result, path: str | os.PathLike[str]) -> None:
     arrays = {name: np.array([getattr(state, name) for state in steps.states]) for name in STATE} | {"work": steps.work}
     if result.t is not steps.t:
         arrays |= dict(zip(CHOSEN, (result.t, result.q, result.v)))
+    if result.events:
+        arrays |= {name: np.concatenate(parts) for name, parts in zip(EVENTS, zip(*result.events.values()))}
     text = json.dumps(head, default=_plain)
     rows = {name: np.ascontiguousarray(array, dtype="<f8") for name, array in arrays.items()}
     with _replacing(Path(path).resolve()) as file:
@@ -82,6 +87,7 @@ def _head(result: Result) -> dict[str, Any]:
         "solver": {"class": type(result.trajectory.solver).__name__, "fields": asdict(result.trajectory.solver)},
         "rtol": result.stats["rtol"],
         "stats": result.stats,
+        "events": {name: len(times.t) for name, times in result.events.items()},
         "corrections": [asdict(correction) for correction in result.assembly.corrections],
         "redundant": result.assembly.redundant,
     }
@@ -127,7 +133,7 @@ def _read(path: Path) -> dict[str, Array]:
                 members = archive.infolist()
                 if sum(member.file_size for member in members) > size:
                     raise ValueError("expected uncompressed arrays, found ones larger than the file")
-                known = {f"{name}.npy": name for name in ("head", *ARRAYS, *CHOSEN)}
+                known = {f"{name}.npy": name for name in ("head", *ARRAYS, *CHOSEN, *EVENTS)}
                 return {known[m.filename]: _array(archive.read(m), m.filename) for m in members if m.filename in known}
         except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError) as error:
             raise ValueError(f"expected a whole file, found a truncated or damaged one ({error})") from error
@@ -173,7 +179,7 @@ def _restored(head: dict[str, Any], arrays: dict[str, Array]) -> Result:
     states = [SolverState(*state) for state in zip(t.tolist(), *(arrays[name] for name in STATE[1:]))]
     assembly = _assembly(head, system, State(q[0], v[0], float(t[0])))
     trajectory = Trajectory(t, q, v, work, states, solver, solver.integrator(float(head["rtol"])), assembly.linear)
-    result = Result(scene, system, trajectory, head["stats"], assembly, None)
+    result = Result(scene, system, trajectory, head["stats"], assembly, None, _events(head.get("events", {}), arrays))
     if CHOSEN[0] in arrays:
         result.t, result.q, result.v = (arrays[name] for name in CHOSEN)
     return result
@@ -182,14 +188,24 @@ def _restored(head: dict[str, Any], arrays: dict[str, Array]) -> Result:
 def _assembly(head: dict[str, Any], system: System, start: State) -> Assembly:
     """The start as it was found, with linear algebra prepared anew."""
     corrections = tuple(Correction(**correction) for correction in head["corrections"])
-    return replace(consistent(system, start), state=start, corrections=corrections, redundant=tuple(head["redundant"]))
+    return Assembly(start, corrections, tuple(head["redundant"]), prepare(system, start.q)[0])
+
+
+def _events(counts: dict[str, int], arrays: dict[str, Array]) -> Events:
+    if not counts:
+        return Events({}, {})
+    ends = np.cumsum(list(counts.values()))
+    if min(counts.values()) < 0 or ends[-1] != len(arrays[EVENTS[0]]):
+        raise ValueError(f"events: expected {ends[-1]} times, found {len(arrays[EVENTS[0]])}")
+    parts = zip(*(np.split(arrays[name], ends[:-1]) for name in EVENTS))
+    return Events({name: Times(*part) for name, part in zip(counts, parts)}, {})
 
 
 def _check_shapes(arrays: dict[str, Array], system: System) -> None:
     widths: dict[str, tuple[int, ...]] = {"t": (), "work": (), "multipliers": (system.m,), "stress": (system.n_stresses,)}
     for name, array in arrays.items():
-        length = len(arrays[CHOSEN[0] if name in CHOSEN else "t"])
-        shape = (length, *widths.get(name.removeprefix("chosen_"), (system.n,)))
+        length = len(arrays[CHOSEN[0] if name in CHOSEN else EVENTS[0] if name in EVENTS else "t"])
+        shape = (length, *widths.get(name.removeprefix("chosen_").removeprefix("event_"), (system.n,)))
         if name != "head" and not (array.shape == shape and np.isfinite(array).all()):
             raise ValueError(f"{name}: expected finite numbers of shape {shape}, found shape {array.shape}, or NaN among them")
     if not len(arrays["t"]) or np.any(np.diff(arrays["t"]) <= 0.0):

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .affine import Array
 from .errors import SceneError, SceneWarning
 from .state import State
 from .system import System
+from .target import Targets
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -19,6 +21,9 @@ if TYPE_CHECKING:
 
 REPORTED = 1e-9
 """Corrections below this share of the scene's length and speed are rounding, not worth a word."""
+
+MOST_PARTS = 10000
+"""Half radians, or half lengths of the scene, between a start and where its drives ask it to be: beyond is a mistake."""
 
 
 @dataclass(frozen=True)
@@ -64,25 +69,55 @@ def assemble(scene: Scene, start: State | None = None) -> Assembly:
 
 def consistent(system: System, state: State) -> Assembly:
     from .solvers.formats import Singular
-    from .solvers.linear import Linear
-    from .solvers.start import Inconsistent, mass_factor, project_positions, project_velocities, redundancy
+    from .solvers.start import Inconsistent, mass_factor, project_velocities
 
-    linear = Linear(system, state.q)
-    redundant = _redundant(system, linear, redundancy(system, linear, state.q))
+    linear, redundant = prepare(system, state.q)
+    goal = system.inputs(state.t).targets
     try:
-        q = project_positions(system, linear, state.q)
-        v = project_velocities(system, mass_factor(system, linear, q), q, state.v)
+        q = _positions(system, linear, state.q, goal.value)
+        v = project_velocities(system, mass_factor(system, linear, q), q, state.v, goal.rate)
     except Inconsistent as trouble:
         raise SceneError([_conflict(system, trouble.defect.rows, trouble.defect.what)]) from None
     except Singular:
-        rows = [int(np.argmax(np.abs(system.joints.at(state.q).value) * linear.reach))]
+        rows = [int(np.argmax(np.abs(system.joints.at(state.q).value - goal.value) * linear.reach))]
         raise SceneError([_conflict(system, rows, "the joints lock on the way to a position that satisfies them")]) from None
-    unmet = system.joints.at(q).push(v) * linear.reach
+    unmet = (system.joints.at(q).push(v) - goal.rate) * linear.reach
     scale = float(np.max(np.abs(v) * system.levers, initial=0.0))
     if np.max(np.abs(unmet), initial=0.0) > 1e-6 * scale:
         raise SceneError([_conflict(system, [int(np.argmax(np.abs(unmet)))], "velocities cannot satisfy them together")])
-    corrections = _corrections(system, linear, state, q, v)
-    return Assembly(State(q, v, state.t), tuple(corrections), tuple(redundant), linear)
+    corrections = _corrections(system, linear, state, q, v, goal)
+    return Assembly(State(q, v, state.t), tuple(corrections), redundant, linear)
+
+
+def prepare(system: System, q: Array) -> tuple[Linear, tuple[str, ...]]:
+    """The linear algebra of a system near q, ready for redundant joints, and their names."""
+    from .solvers.linear import Linear
+    from .solvers.start import redundancy
+
+    linear = Linear(system, q)
+    return linear, tuple(_redundant(system, linear, redundancy(system, linear, q)))
+
+
+def _positions(system: System, linear: Linear, q: Array, target: Array) -> Array:
+    """q projected to the joints and, in parts of half a radian at most, to the targets of drives: a turn far away would end on the
+    wrong side of its axis, where its equation holds too."""
+    from .solvers.start import project_positions
+
+    gap = np.where(_driven(system), system.joints.at(q).value - target, 0.0)
+    parts = np.ceil(np.max(np.abs(gap) * linear.reach, initial=0.0) / (0.5 * system.length))
+    if not parts < MOST_PARTS:
+        raise SceneError([_conflict(system, [int(np.argmax(np.abs(gap) * linear.reach))], f"a drive that starts at {np.max(np.abs(gap)):.6g}")])
+    for left in np.arange(parts - 1, 0, -1):
+        q = project_positions(system, linear, q, target + left / parts * gap)
+    return project_positions(system, linear, q, target)
+
+
+def _driven(system: System) -> NDArray[np.bool_]:
+    """[m]: which equations follow targets."""
+    driven = np.zeros(system.m, dtype=bool)
+    for rows, _ in system.joints.drives:
+        driven[rows] = True
+    return driven
 
 
 def _redundant(system: System, linear: Linear, defect: object) -> list[str]:
@@ -109,16 +144,19 @@ def _names(names: list[str]) -> str:
     return ", ".join(repr(name) for name in dict.fromkeys(names))
 
 
-def _corrections(system: System, linear: Linear, before: State, q: Array, v: Array) -> list[Correction]:
-    """What was violated at which joint, and which item moved how far, above rounding."""
+def _corrections(system: System, linear: Linear, before: State, q: Array, v: Array, goal: Targets) -> list[Correction]:
+    """What was violated at which joint, and which item moved how far, above rounding. A mechanism at rest whose drive sets it in motion
+    was described well: what only driven equations ask of velocities is no correction."""
     found: list[Correction] = []
     speed = max(float(np.max(np.abs(before.v) * system.levers, initial=0.0)), 1e-300)
     joints = system.joints.at(before.q)
     for name, unit, residual, moved, scale in (
-        ("position", "(length)", joints.value, q - before.q, system.length),
-        ("velocity", "(length/time)", joints.push(before.v), v - before.v, speed),
+        ("position", "(length)", joints.value - goal.value, q - before.q, system.length),
+        ("velocity", "(length/time)", np.where(_driven(system), 0.0, joints.push(before.v)), v - before.v, speed),
     ):
         gaps = np.abs(residual) * linear.reach
+        if name == "velocity" and np.max(gaps, initial=0.0) <= REPORTED * scale:
+            continue
         by_joint: dict[str, float] = {}
         for row in np.flatnonzero(gaps > REPORTED * scale):
             by_joint[system.label(int(row))] = max(by_joint.get(system.label(int(row)), 0.0), float(gaps[row]))

@@ -1,4 +1,4 @@
-"""All equations of a scene at once: the quadratic rows of the joints, then the turning angles."""
+"""All equations of a scene at once: the quadratic rows of the joints, some of which follow targets, then the turning angles."""
 
 from __future__ import annotations
 
@@ -10,11 +10,15 @@ from .affine import Array
 from .constraint import Quadratic
 from .model import Model
 from .scatter import Scatter
+from .target import Targets
 from .turn import Turn
 
 
 class Joints:
-    """All equations of a scene: the quadratic rows, then the turning angles."""
+    """All equations of a scene, gamma(q) = c(t): the quadratic rows, then the turning angles.
+
+    ``linear``: G is constant and nothing is driven, so that g = 0 at all times implies G v = 0.
+    """
 
     def __init__(self, model: Model):
         self.kernels: list[Any] = []  # Quadratic and Turn: each prepares what its own methods take
@@ -31,11 +35,16 @@ class Joints:
         self.cols = np.concatenate([kernel.cols for kernel in self.kernels] or empty)
         self.curvature_rows = np.concatenate([kernel.curvature_rows for kernel in self.kernels] or empty)
         self.curvature_cols = np.concatenate([kernel.curvature_cols for kernel in self.kernels] or empty)
-        self.linear = all(kernel.linear for kernel in self.kernels)
+        self.drives = model.drives  # quadratic rows come first: their numbers are those of the model's equations
+        self.linear = all(kernel.linear for kernel in self.kernels) and not self.drives
         self.to_rows, self.to_cols = Scatter(self.rows, self.m), Scatter(self.cols, model.n)
 
     def at(self, q: Array) -> JointsAt:
         return JointsAt(self, q)
+
+    def targets(self, times: Array) -> Targets:
+        """c, c' and c'' at times [...]."""
+        return Targets(self.drives, self.m, times)
 
 
 class JointsAt:
@@ -55,7 +64,7 @@ class JointsAt:
 
     @property
     def value(self) -> Array:
-        """g [..., m]."""
+        """gamma [..., m]: g without what drives ask for."""
         return self._join([kernel.value(z) for kernel, z in zip(self.joints.kernels, self.states)])
 
     def pull(self, multipliers: Array) -> Array:
@@ -71,7 +80,7 @@ class JointsAt:
         return self._join([kernel.swirl(z, v) for kernel, z in zip(self.joints.kernels, self.states)])
 
     def bias(self, v: Array) -> Array:
-        """v' d2g/dq2 v [..., m]: minus what G a must be."""
+        """v' d2(gamma)/dq2 v [..., m]: c'' minus this is what G a must be."""
         return self._join([kernel.bias(z, v) for kernel, z in zip(self.joints.kernels, self.states)])
 
     def curvature(self, multipliers: Array) -> Array:

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from .affine import Affine, Array
 from .layout import Layout
-from .rows import Row
+from .rows import Row, shifted
+from .target import Target
 
 
 class Named(Protocol):
@@ -29,6 +30,7 @@ class Model:
         self.weights = np.zeros((layout.n_rows, layout.dimension))
         self.dead_forces = np.zeros(self.n)
         self.equations: list[tuple[str, str, Row]] = []
+        self.drives: list[tuple[slice, Target]] = []
         self.internal: set[str] = set()
         self.turns: list[tuple[str, tuple[Affine, Affine, int]]] = []
         self.strains: dict[tuple[type, tuple], list[dict[str, Any]]] = {}
@@ -52,6 +54,16 @@ class Model:
         self.equations.append((item, label, row))
         if internal:
             self.internal.add(item)
+
+    def drive(self, item: str, rows: list[tuple[str, Row]], target: Target | Array) -> None:
+        """Constraints gamma(q) = c(t): c is a target, or numbers [rows]."""
+        first = len(self.equations)
+        if isinstance(target, np.ndarray):
+            rows = [(label, shifted(row, -float(c))) for (label, row), c in zip(rows, np.atleast_1d(target))]
+        else:
+            self.drives.append((slice(first, first + len(rows)), target))
+        for label, row in rows:
+            self.equation(item, label, row)
 
     def turn(self, item: str, a: Affine, b: Affine, phi: int) -> None:
         """phi follows the angle from axis b to axis a since the start."""

@@ -1,7 +1,8 @@
 """What a joint does to its first marker: force and moment from its multipliers.
 
-The joint's own rows are written once more, over a small table that holds just the two markers' points and axes; the gradient with
-respect to the first marker's point is the force, with respect to its axes the moment (axis x force on the axis).
+The joint's own rows, and the turning angle of a drive, are written once more, over a small table that holds just the two markers'
+points and axes; the gradient with respect to the first marker's point is the force, with respect to its axes the moment (axis x force
+on the axis).
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ import numpy as np
 from .affine import Affine, Array
 from .constraint import Quadratic
 from .marker import Marker
+from .scatter import Scatter
+from .turn import Turn
 
 
 def _standalone(marker: Marker, first: int) -> Marker:
@@ -36,14 +39,16 @@ def reaction(joint: Any, pose: Any, q: Array, multipliers: Array) -> Array:
     d, n_rows = a.dimension, 2 + len(a.axes) + len(b.axes)
     scalars = [-1 - k for k in range(len(joint.scalars))]
     rows = [row for _, row in joint.description.rows(own_a, own_b, pose, scalars)]
+    turns = joint.turns(own_a, own_b, pose, scalars)
     n = d * n_rows + len(scalars)
     vectors = np.concatenate([*_values(a, q), *_values(b, q)], axis=-1)
     table = np.concatenate((vectors, q[..., joint.scalars[::-1]]), axis=-1) if scalars else vectors
-    kernel = Quadratic(rows, n)
-    pull = -kernel.gradient(kernel.prepare(table)) * multipliers[..., kernel.rows]
-    dense = np.zeros((*q.shape[:-1], n))
-    for k, column in enumerate(kernel.cols):
-        dense[..., column] += pull[..., k]
+    kernels: list[Any] = ([Quadratic(rows, n)] if rows else []) + ([Turn(turns, n)] if turns else [])
+    dense, first = np.zeros((*q.shape[:-1], n)), 0
+    for kernel in kernels:
+        own = multipliers[..., first : first + kernel.m]
+        dense = dense - Scatter(kernel.cols, n)(kernel.gradient(kernel.prepare(table)) * own[..., kernel.rows])
+        first += kernel.m
     on_axes = dense[..., d : d * (1 + len(a.axes))].reshape(*q.shape[:-1], len(a.axes), d)
     axes = vectors[..., d : d * (1 + len(a.axes))].reshape(on_axes.shape)
     if d == 2:

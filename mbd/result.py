@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from .affine import Array
 from .audit import Audit, audit
+from .event import Events
 from .marker import Marker
 from .reaction import reaction
 from .state import State
@@ -41,11 +42,22 @@ class Result:
     """A run of a scene.
 
     t [n_t]: the accepted steps, or ``t_eval``; q, v [n_t, n] in order of ``scene.coordinates()``. Methods take a marker or item, and
-    optionally other times ``t``, at which values are interpolated and projected to the joints.
+    optionally other times ``t``, at which values are interpolated and projected to the joints. ``events[event]``: when each happened, t, q, v.
+    Where a load jumps, accelerations and reactions are those after the jump.
     """
 
-    def __init__(self, scene: Scene, system: System, trajectory: Trajectory, stats: dict[str, Any], assembly: Assembly, t_eval: Array | None):
+    def __init__(
+        self,
+        scene: Scene,
+        system: System,
+        trajectory: Trajectory,
+        stats: dict[str, Any],
+        assembly: Assembly,
+        t_eval: Array | None,
+        events: Events,
+    ):
         self.scene, self.system, self.trajectory, self.stats, self.assembly = scene, system, trajectory, stats, assembly
+        self.events = events
         if t_eval is None:
             self.t, self.q, self.v = trajectory.t, trajectory.q, trajectory.v
         else:

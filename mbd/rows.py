@@ -21,6 +21,12 @@ class Row:
     products: list[tuple[Scalar, Scalar]] = field(default_factory=list)
 
 
+def shifted(row: Row, constant: float) -> Row:
+    """The row plus a constant."""
+    linear = row.linear
+    return Row(Scalar(linear.columns, linear.coefficients, linear.constant + constant), row.products)
+
+
 def coincide(a: Affine, b: Affine) -> list[Row]:
     """a - b = 0: one linear row for each component [d]."""
     return [Row(component) for component in (a - b).components()]

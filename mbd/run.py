@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,10 +13,13 @@ from numpy.typing import ArrayLike
 from .affine import Array
 from .assembly import Assembly, announce, consistent
 from .errors import SceneError, SceneWarning, SimulationError
+from .event import Event, Events, named
 from .result import Result
+from .signal import OneSided, discontinuities, from_inside, stops
 from .state import State
 from .system import System
 from .trajectory import Trajectory
+from .watch import Watch
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -31,29 +34,36 @@ def simulate(
     solver: Any = None,
     t_eval: ArrayLike | None = None,
     start: State | None = None,
+    events: Sequence[Event] | None = None,
     progress: bool = False,
 ) -> Result:
     """The motion of a scene from its start, or from a given state, to the absolute time t_end [s].
 
     rtol      error allowed in one step, relative to the scene's length
-    solver    mbd.Radau(...) (the default) or mbd.GeneralizedAlpha(...)
+    solver    mbd.Radau(...), mbd.DormandPrince(), mbd.GeneralizedAlpha(...), mbd.Gauss(...); None: Radau where something is elastic,
+              else DormandPrince with Radau at hand
     t_eval    times [n_t] that ``result.t`` shall hold, ascending; None: the accepted steps
     start     a state such as ``result.final``; None: positions and velocities as described
+    events    mbd.Event(...) each: zero crossings to record in ``result.events``, or to stop at
     progress  a bar on the terminal (needs tqdm)
 
+    Steps end on the times at which functions of t declare that they jump (``mbd.piecewise``); the integrator starts there anew.
     Raises SceneError for a scene that cannot be built or assembled, SimulationError, with the partial result, for a run that stops.
     """
     system = scene.build()
     state = start or State(system.q0, system.v0)
     state.check(system)
-    times = _checked_times(t_end, rtol, t_eval, state.t)
+    times, wanted = _checked_times(t_end, rtol, t_eval, state.t), named(events)
     assembly = consistent(system, state)
     announce(assembly)
+    reason = "chosen by the user"
     if solver is None:
-        from .solvers import Radau
+        from .solvers.automatic import default
 
-        solver = Radau()
-    return _run(scene, system, assembly, solver, float(t_end), rtol, times, progress)
+        solver, reason = default(system)
+    result = _run(scene, system, assembly, solver, float(t_end), rtol, times, wanted, progress)
+    result.stats["reason"] = reason
+    return result
 
 
 def _checked_times(t_end: float, rtol: float, t_eval: ArrayLike | None, t_start: float) -> Array | None:
@@ -73,42 +83,64 @@ def _checked_times(t_end: float, rtol: float, t_eval: ArrayLike | None, t_start:
 
 
 def _run(
-    scene: Scene, system: System, assembly: Assembly, solver: Any, t_end: float, rtol: float, t_eval: Array | None, progress: bool
+    scene: Scene,
+    system: System,
+    assembly: Assembly,
+    solver: Any,
+    t_end: float,
+    rtol: float,
+    t_eval: Array | None,
+    events: dict[str, Event],
+    progress: bool,
 ) -> Result:
-    from .solvers.march import Record, march
+    from .solvers.march import Record
     from .solvers.protocol import State as SolverState
-    from .solvers.start import accelerations, mass_factor
 
-    linear, begin, method = assembly.linear, assembly.state, solver.integrator(rtol)
+    linear, begin, method, jumps = assembly.linear, assembly.state, solver.integrator(rtol), discontinuities(system)
+    if jumps.size:
+        method = OneSided(method, jumps)
     clock = time.perf_counter()
     stress = system.stress(system.strains(begin.q), begin.v) if system.n_stresses else np.zeros(0)
-    tolerance = rtol * system.length
     record = Record([SolverState(begin.t, begin.q, begin.v, np.zeros(system.m), stress)])
-    bar = _Bar(begin.t, t_end) if progress else None
-    trouble: SimulationError | None = None
-    try:
-        a, multipliers = accelerations(system, mass_factor(system, linear, begin.q), begin.q, begin.v, system.inputs(begin.t))
-        record.states[0] = first = record.states[0]._replace(multipliers=multipliers)
-        h = method.first_step(system, first, a, t_end - begin.t, tolerance)
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # a diverging iteration is detected and rejected
-            march(system, linear, method, record, t_end, tolerance, h, work=_work(system), watch=bar)
-    except SimulationError as error:
-        trouble = error
-    except KeyboardInterrupt:
-        advice = "The partial result is in .result; continue with start=result.final"
-        trouble = SimulationError("interrupted", time=record.states[-1].t, advice=advice)
-    finally:
-        if bar:
-            bar.close()
+    watch = Watch(events, system, linear, method, rtol * system.length) if events else None
+    trouble = _march(system, linear, method, record, t_end, rtol * system.length, jumps, watch, progress)
     stats = _stats(method, linear, record, rtol, time.perf_counter() - clock)
-    result = Result(scene, system, Trajectory.of(record, solver, method, linear), stats, assembly, t_eval)
-    if trouble is None and record.failure:
-        trouble = _failure(system, record)
+    if watch:
+        stats["ended by"] = watch.ended_by
+    found = watch.events if watch else Events({}, {})
+    result = Result(scene, system, Trajectory.of(record, solver, method, linear), stats, assembly, t_eval, found)
     if trouble:
         trouble.result = result
         raise trouble
     _warn_of_imbalance(result)
     return result
+
+
+def _march(
+    system: System, linear: Any, method: Any, record: Any, t_end: float, tolerance: float, jumps: Array, watch: Watch | None, progress: bool
+) -> SimulationError | None:
+    """To t_end; returns what stopped it before."""
+    from .solvers.march import march
+    from .solvers.start import accelerations, mass_factor
+
+    first = record.states[0]
+    bar = _Bar(first.t, t_end) if progress else None
+    halts, work, look = stops(jumps, first.t, t_end), _work(system, jumps), _watching(watch, bar)
+    try:
+        a, multipliers = accelerations(system, mass_factor(system, linear, first.q), first.q, first.v, system.inputs(first.t))
+        record.states[0] = first = first._replace(multipliers=multipliers)
+        h = method.first_step(system, first, a, t_end - first.t, tolerance)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # a diverging iteration is detected and rejected
+            march(system, linear, method, record, t_end, tolerance, h, stops=halts, work=work, watch=look)
+    except SimulationError as error:
+        return error
+    except KeyboardInterrupt:
+        advice = "The partial result is in .result; continue with start=result.final"
+        return SimulationError("interrupted", time=record.states[-1].t, advice=advice)
+    finally:
+        if bar:
+            bar.close()
+    return _failure(system, record) if record.failure else None
 
 
 def _warn_of_imbalance(result: Result) -> None:
@@ -123,15 +155,27 @@ def _warn_of_imbalance(result: Result) -> None:
         )
 
 
-def _work(system: System) -> Callable[[Attempt], float] | None:
-    """The work of loads and dampers over a step, by the step's own quadrature; None where nothing does any."""
+def _watching(watch: Watch | None, bar: _Bar | None) -> Callable[[Any, Attempt], Attempt | None]:
+    """What looks at each accepted step, and may end the run with a shorter one."""
+
+    def look(before: Any, attempt: Attempt) -> Attempt | None:
+        last = watch.inspect(before, attempt) if watch else None
+        if bar:
+            bar((last or attempt).state)
+        return last
+
+    return look
+
+
+def _work(system: System, jumps: Array) -> Callable[[Attempt], float]:
+    """The work of loads, drives and dampers over a step, by the step's own quadrature; nothing is evaluated where nothing does any."""
     if not system.exchanges:
-        return None
+        return lambda attempt: 0.0
 
     def work(attempt: Attempt) -> float:
         assert attempt.nodes is not None
         t, q, v, weights = attempt.nodes
-        return float(weights @ system.power(q, v, system.inputs(t)))
+        return float(weights @ system.power(q, v, from_inside(system, jumps, t[0], t[-1]).inputs(t), attempt.multipliers))
 
     return work
 

@@ -2,7 +2,7 @@
 
     M dv/dt = f(q, v, t) - B(q)' sigma - G(q)' lambda          balance
     sigma   = C strain(q) + eta d(strain)/dt                   elastic measures, B = d(strain)/dq
-    0       = g(q, t)                                          joints, G = dg/dq
+    0       = g(q, t) = gamma(q) - c(t)                        joints and drives, G = dg/dq
 
 M is constant, a matrix over the rows of the table times the identity of d; it may be semidefinite. C and eta are diagonal.
 Arrays have any leading axes (stages, time samples) before the coordinates: q, v [..., n], lambda [..., m], sigma [..., n_stresses].
@@ -10,6 +10,9 @@ Tangents: K = d(M a - f + B' sigma + G' lambda)/dq, D = B' eta B, as values on c
 """
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +22,30 @@ from .equations import Joints
 from .model import Model, build
 from .scatter import Scatter
 from .strains import Strains
+from .target import Targets
 
 DENSE_MASS = 96
+
+
+class Inputs:
+    """Functions of time at times [...]: sampled once for a step, whatever the iterations, and only if asked for."""
+
+    def __init__(self, system: System, times: Array):
+        self._system, self._times = system, times
+
+    @cached_property
+    def loads(self) -> list[Array]:
+        """The values that each kernel of loads takes."""
+        times = np.zeros(()) if self._system.steady else self._times
+        return [kernel.inputs(times) for kernel in self._system.loads]
+
+    def __iter__(self) -> Iterator[Array]:
+        return iter(self.loads)
+
+    @cached_property
+    def targets(self) -> Targets:
+        """What drives follow."""
+        return self._system.joints.targets(self._times)
 
 
 class System:
@@ -97,17 +122,14 @@ class System:
     def strains(self, q: Array) -> Strains:
         return Strains(self, q)
 
-    def inputs(self, t: Array | float) -> list[Array]:
-        """What loads are given as functions of time, at times t [...]: sampled once for a step, whatever the iterations."""
-        times = np.asarray(t, dtype=float)
-        if self.steady:
-            times = np.zeros(())
-        return [kernel.inputs(times) for kernel in self.loads]
+    def inputs(self, t: Array | float) -> Inputs:
+        """What loads and drives are given as functions of time, at times t [...]."""
+        return Inputs(self, np.asarray(t, dtype=float))
 
-    def load(self, q: Array, inputs: list[Array]) -> Array:
+    def load(self, q: Array, inputs: Inputs) -> Array:
         """Weight, forces and torques [..., n]; [n] where they are constant."""
         total = self.constant_force
-        for kernel, scatter, values in zip(self.loads, self.load_scatters, inputs):
+        for kernel, scatter, values in zip(self.loads, self.load_scatters, inputs.loads):
             local = kernel.force(q, values)
             local = np.broadcast_to(local, (*q.shape[:-1], *local.shape[-2:]))
             total = total + scatter(local.reshape(*q.shape[:-1], -1))
@@ -118,7 +140,7 @@ class System:
         stress = self.modulus * strains.value
         return stress if self.viscosity is None else stress + self.viscosity * strains.push(v)
 
-    def force(self, q: Array, v: Array, inputs: list[Array]) -> Array:
+    def force(self, q: Array, v: Array, inputs: Inputs) -> Array:
         """f - B' sigma [..., n]: everything but the joints."""
         total = self.load(q, inputs)
         if self.measures:
@@ -126,14 +148,14 @@ class System:
             total = total - at.pull(self.stress(at, v))
         return total
 
-    def stiffness(self, q: Array, v: Array, inputs: list[Array], stress: Array, multipliers: Array) -> Array:
+    def stiffness(self, q: Array, v: Array, inputs: Inputs, stress: Array, multipliers: Array) -> Array:
         """Values of K on (stiffness_rows, stiffness_cols) at one configuration q [n]."""
         parts = []
         if self.measures:
             parts.append(self.strains(q).stiffness(stress, self.modulus, None if self.viscosity is None else v))
         parts.append(self.joints.at(q).curvature(multipliers))
         for i in self._moving_loads:
-            parts.append(-self.loads[i].gradient(q, inputs[i]).ravel())
+            parts.append(-self.loads[i].gradient(q, inputs.loads[i]).ravel())
         return np.concatenate(parts)
 
     def damping(self, q: Array) -> Array:
@@ -153,14 +175,16 @@ class System:
 
     @property
     def exchanges(self) -> bool:
-        """Whether loads or dampers do work that no potential knows."""
-        return bool(self.loads) or self.viscosity is not None or bool(self.dead.any())
+        """Whether loads, drives or dampers do work that no potential knows."""
+        return bool(self.loads or self.joints.drives) or self.viscosity is not None or bool(self.dead.any())
 
-    def power(self, q: Array, v: Array, inputs: list[Array]) -> Array:
-        """[...] of loads and dampers [W]; gravity and elastic forces are in the energy."""
+    def power(self, q: Array, v: Array, inputs: Inputs, multipliers: Array | None = None) -> Array:
+        """[...] of loads, dampers and, given the multipliers [..., m], drives [W]; gravity and elastic forces are in the energy."""
         total = np.sum((self.load(q, inputs) - self.weight) * v, axis=-1)
         if self.viscosity is not None:
             total = total - np.sum(self.viscosity * self.strains(q).push(v) ** 2, axis=-1)
+        if self.joints.drives and multipliers is not None:
+            total = total - np.sum(multipliers * inputs.targets.rate, axis=-1)  # the force -G' lambda on what moves with G v = c'
         return total
 
     def label(self, row: int) -> str:

@@ -51,17 +51,42 @@ def differentiation(nodes: NDArray) -> NDArray:
     return d
 
 
-def _quadrature(nodes: Wide) -> Wide:
-    """A [s, s] = int_0^c_i l_j."""
-    x, w = legendre.leggauss(len(nodes))
-    x = x.astype(np.longdouble)
-    series = np.zeros(len(nodes) + 1, dtype=np.longdouble)
+def _gauss(points: int) -> tuple[Wide, Wide]:
+    """Gauss points and weights on [0, 1]."""
+    series = np.zeros(points + 1, dtype=np.longdouble)
     series[-1] = 1
-    slope = legendre.legder(series)
+    x, slope = legendre.leggauss(points)[0].astype(np.longdouble), legendre.legder(series)
     for _ in range(3):
         x = x - legendre.legval(x, series) / legendre.legval(x, slope)
-    w = 2 / ((1 - x**2) * legendre.legval(x, slope) ** 2)
-    return np.array([(w * c / 2) @ lagrange(nodes, (x + 1) * c / 2) for c in nodes])
+    weights = 1 / ((1 - x**2) * legendre.legval(x, slope) ** 2)
+    return (x + 1) / 2, weights.astype(np.longdouble)
+
+
+def _quadrature(nodes: Wide, ends: Wide) -> Wide:
+    """[ends, s] = int_0^end l_j; with the nodes as ends it is A."""
+    x, w = _gauss(len(nodes))
+    return np.array([(w * end) @ lagrange(nodes, x * end) for end in ends])
+
+
+def decouple(inverse: Array) -> tuple[NDArray[np.complex128], NDArray[np.complex128], NDArray[np.complex128], Array, Array]:
+    """eigenvalues, into, back, into_parts and back_parts of a^-1, as ``Tableau`` describes them."""
+    values, vectors = np.linalg.eig(inverse)
+    into = np.linalg.inv(vectors)
+    keep = np.flatnonzero(values.imag > -1e-9 * np.abs(values))
+    keep = keep[np.argsort(values[keep].imag, kind="stable")]
+    double = np.where(np.abs(values[keep].imag) > 1e-9, 2.0, 1.0)
+    into, back, real = into[keep], vectors[:, keep] * double, int(double[0] == 1.0)
+    one = np.eye(len(inverse))
+    assert real == len(inverse) % 2 and np.abs((back @ into).real - one).max() < 1e-8, "eigenvectors"
+    # The eigenvector of the real eigenvalue may come with a complex factor: make it real.
+    if real:
+        phase = back[np.argmax(np.abs(back[:, 0])), 0]
+        into[0], back[:, 0] = (into[0] * phase).real, (back[:, 0] / phase).real
+    mixed = [part for row in into[real:] for part in (row.real, row.imag)]
+    spread = [part for column in back[:, real:].T for part in (column.real, -column.imag)]
+    into_parts, back_parts = np.array([*into[:real].real, *mixed]), np.array([*back[:, :real].real.T, *spread]).T.copy()
+    assert np.abs(back_parts @ into_parts - one).max() < 1e-8, "real and imaginary parts"
+    return values[keep], into, back, into_parts, back_parts
 
 
 class Tableau:
@@ -77,7 +102,7 @@ class Tableau:
     def __init__(self, stages: int):
         self.stages, self.order = stages, 2 * stages - 1
         nodes = radau_nodes(stages)
-        a = _quadrature(nodes)
+        a = _quadrature(nodes, nodes)
         derivative = differentiation(np.concatenate((np.zeros(1, dtype=np.longdouble), nodes)))
         self._assert_algebra(nodes, a, derivative[1:, 1:])
         self.c, self.a, self.b = nodes.astype(float), a.astype(float), a[-1].astype(float)
@@ -93,25 +118,9 @@ class Tableau:
         assert np.abs(inverse @ a - np.eye(s)).max() < 1e-14, "inverse"
 
     def _split(self) -> None:
-        values, vectors = np.linalg.eig(self.inverse)
-        into = np.linalg.inv(vectors)
-        keep = np.flatnonzero(values.imag > -1e-9 * np.abs(values))
-        keep = keep[np.argsort(values[keep].imag, kind="stable")]
-        double = np.where(np.abs(values[keep].imag) > 1e-9, 2.0, 1.0)
-        self.eigenvalues, self.into, self.back = values[keep], into[keep], vectors[:, keep] * double
-        self.real = int(double[0] == 1.0)
-        self.gamma = float(values[keep][0].real) if self.real else float("nan")
-        assert np.abs((self.back @ self.into).real - np.eye(self.stages)).max() < 1e-8, "eigenvectors"
-        # The eigenvector of the real eigenvalue may come with a complex factor: make it real.
-        if self.real:
-            phase = self.back[np.argmax(np.abs(self.back[:, 0])), 0]
-            self.into[0], self.back[:, 0] = (self.into[0] * phase).real, (self.back[:, 0] / phase).real
-        pairs_in, pairs_back = self.into[self.real :], self.back[:, self.real :]
-        mixed = [part for k in range(len(pairs_in)) for part in (pairs_in[k].real, pairs_in[k].imag)]
-        spread = [part for k in range(len(pairs_in)) for part in (pairs_back[:, k].real, -pairs_back[:, k].imag)]
-        self.into_parts = np.array([*self.into[: self.real].real, *mixed])
-        self.back_parts = np.array([*self.back[:, : self.real].real.T, *spread]).T.copy()
-        assert np.abs(self.back_parts @ self.into_parts - np.eye(self.stages)).max() < 1e-8, "real and imaginary parts"
+        self.eigenvalues, self.into, self.back, self.into_parts, self.back_parts = decouple(self.inverse)
+        self.real = self.stages % 2
+        self.gamma = float(self.eigenvalues[0].real) if self.real else float("nan")
         half, start = np.array([0.5]), np.zeros(1)
         self.middle, self.middle_stages = self.extend(half, with_start=True)[0], self.extend(half, with_start=False)[0]
         self.back_to_start = self.extend(start, with_start=False)[0]
@@ -123,7 +132,6 @@ class Tableau:
         """[points, s (+ 1)]: the stage polynomial (with its value at 0 first) evaluated at fractions of the step, also beyond 1."""
         nodes = np.concatenate((np.zeros(1), self.c)) if with_start else self.c
         return lagrange(nodes, np.asarray(at, dtype=float))
-
 
     def forecast(self, at: Array, *, with_start: bool) -> Array:
         """[points, s (+ 1)]: as ``extend``, for fractions beyond 1, from a fit of lower degree, (s + 3) / 2, through the step's end. The full
@@ -141,7 +149,54 @@ def _fit(nodes: Array, degree: int) -> Array:
     return np.concatenate((inverse, -inverse.sum(axis=1, keepdims=True)), axis=1)
 
 
+class GaussLobatto:
+    """Coefficients of the s-stage Gauss method, order 2 s, with constraints at the s + 1 points of Lobatto's quadrature.
+
+    c, b [s], inverse [s, s] and its eigenvalues as in ``Tableau``; d, weights [s + 1]: Lobatto's points on [0, 1]. For stage values
+    X = x0 + dX, velocities V and forces of the constraints Y [s + 1], the last of which acts beyond the stages:
+    ends [s, s]: polynomial minus x0 at d_1..d_s = ends @ dX;  pull [s, s + 1]: Y as forces at the stages;  kick [s + 1]: the part of Y in
+    the final velocity that extrapolation of V by (b a^-1) lacks. ``ends_inverse``, ``pull_inverse`` [s, s] (of the first s columns),
+    ``last`` = b a^-1 [s]. The symplectic pair is b_i A_ij + weights_j E_ji = b_i weights_j (Jay 1996, eq. 3.2; 2007).
+    """
+
+    def __init__(self, stages: int):
+        self.stages, self.order, self.real = stages, 2 * stages, stages % 2
+        c, b = _gauss(stages)
+        c, b = c[np.argsort(c)], b[np.argsort(c)]
+        d = _lobatto(stages)
+        weights = _quadrature(d, d[-1:])[0]
+        reach = _quadrature(c, d[1:])
+        inverse = differentiation(np.concatenate((np.zeros(1, dtype=np.longdouble), c)))[1:, 1:]
+        into_stages = weights * (1 - np.concatenate((np.zeros((1, stages), dtype=np.longdouble), reach)).T / b[:, None])
+        powers = np.arange(1, 2 * stages + 1)[:, None]
+        assert np.abs(c ** (powers - 1) @ b - 1 / powers[:, 0].astype(np.longdouble)).max() < 1e-15, "quadrature B(2s)"
+        assert np.abs(d ** (powers - 1) @ weights - 1 / powers[:, 0].astype(np.longdouble)).max() < 1e-15, "Lobatto's quadrature B(2s)"
+        assert np.abs(inverse @ _quadrature(c, c) - np.eye(stages)).max() < 1e-14, "inverse"
+        self.c, self.b, self.d, self.weights = (x.astype(float) for x in (c, b, d, weights))
+        self.inverse, self.ends, self.pull = (x.astype(float) for x in (inverse, reach @ inverse, inverse @ into_stages))
+        self.last, self.kick = (b @ inverse).astype(float), (b @ inverse @ into_stages - weights).astype(float)
+        self.ends_inverse, self.pull_inverse = np.linalg.inv(self.ends), np.linalg.inv(self.pull[:, :-1])
+        self.eigenvalues, self.into, self.back, self.into_parts, self.back_parts = decouple(self.inverse)
+
+
+def _lobatto(stages: int) -> Wide:
+    """The s + 1 points on [0, 1]: its ends and the zeros of P_s'."""
+    series = np.zeros(stages + 1, dtype=np.longdouble)
+    series[-1] = 1
+    slope = legendre.legder(series)
+    x = np.sort(legendre.legroots(slope.astype(float)).real).astype(np.longdouble)
+    for _ in range(4):
+        x = x - legendre.legval(x, slope) / legendre.legval(x, legendre.legder(slope))
+    return (np.concatenate((-np.ones(1, dtype=np.longdouble), x, np.ones(1, dtype=np.longdouble))) + 1) / 2
+
+
 @cache
 def tableau(stages: int) -> Tableau:
     """The s-stage Radau IIA method, made once."""
     return Tableau(stages)
+
+
+@cache
+def gauss_lobatto(stages: int) -> GaussLobatto:
+    """The s-stage Gauss method with Lobatto's points for constraints, made once."""
+    return GaussLobatto(stages)

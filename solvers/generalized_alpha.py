@@ -3,8 +3,8 @@
 An algorithmic acceleration a, which belongs to the time t + (alpha_m - alpha_f) h, carries the step beside the true one:
     q1 = q0 + h v0 + h^2 (1/2 - beta) a0 + h^2 beta a1,        v1 = v0 + h (1 - gamma) a0 + h gamma a1
     (1 - alpha_m) a1 + alpha_m a0 = (1 - alpha_f) dv1/dt + alpha_f dv0/dt
-    M dv1/dt + B1' sigma1 + G1' lambda1 = load(q1, t1),        sigma1 = C strain(q1) + eta d(strain)/dt,        g(q1) = 0
-That is index 3. Index 2, stabilised after Gear, Gupta and Leimkuhler: also G1 v1 = 0, with G1' mu in the first equation, times M.
+    M dv1/dt + B1' sigma1 + G1' lambda1 = load(q1, t1),        sigma1 = C strain(q1) + eta d(strain)/dt,        gamma(q1) = c(t1)
+That is index 3. Index 2, stabilised after Gear, Gupta and Leimkuhler: also G1 v1 = c'(t1), with G1' mu in the first equation, times M.
 In the unknowns q1 and v1, with u(q1) for the velocity that the first line gives where mu = 0,
     r1 = M (u - v1) - G1' mu         u      = v_free + z (q1 - q_free),     z = gamma / (beta h)
     r2 = M dv1/dt + ... - load       dv1/dt = w_free + y (v1 - v_free),     y = (1 - alpha_m) / ((1 - alpha_f) gamma h)
@@ -27,7 +27,7 @@ from .linear import Linear
 from .protocol import Attempt, State
 from .stages import Stages
 from .start import Inconsistent, accelerations, hermite, mass_factor, project_positions, project_samples, project_velocities
-from .system import Array, System
+from .system import Array, System, targets
 
 NEWTON = 1e-11  # Newton's error as a share of the system's length: far below what steps of second order can resolve
 SLOW, ITERATIONS, HALVINGS = 0.1, 15, 8  # a slower contraction renews the derivatives; a step has at most 2^HALVINGS parts
@@ -100,7 +100,8 @@ class ChungHulbert:
         inner = (*first.state.memory.inner, first.state._replace(memory=None), *second.state.memory.inner)
         after = second.state._replace(t=state.t + h, memory=second.state.memory._replace(inner=inner))
         t, q, v, weights = (np.concatenate(pair) for pair in zip(first.nodes or (), second.nodes or ()))
-        return Attempt(after, 0.0, 2.0, max(first.rate, second.rate), solves, nodes=(t, q, v, weights))
+        multipliers = np.concatenate((first.multipliers, second.multipliers))
+        return Attempt(after, 0.0, 2.0, max(first.rate, second.rate), solves, nodes=(t, q, v, weights), multipliers=multipliers)
 
     def _whole(self, system: System, linear: Linear, state: State, h: float) -> Attempt:
         try:
@@ -109,15 +110,14 @@ class ChungHulbert:
             if isinstance(found, Attempt):
                 return found
             x, at, rate, solves = found
-            q, v = project_positions(system, linear, state.q + x.dq, factor=at.mass_factor or at.factor, sweeps=8), x.v
-            if at.mass_factor is not None:
-                v = project_velocities(system, at.mass_factor, q, v)
+            q = project_positions(system, linear, state.q + x.dq, equations.goal.value, factor=at.mass_factor or at.factor, sweeps=8)
+            v = x.v if at.mass_factor is None else project_velocities(system, at.mass_factor, q, x.v, equations.goal.rate)
         except (Singular, Inconsistent) as trouble:
             return Attempt(None, np.inf, 1.0, 1.0, 0, f"singular equations ({trouble})")
         memory = Memory(h, (v - equations.v_free) / (self.gamma * h), equations.acceleration(v))
         after = State(state.t + h, q, v, x.multipliers, x.stress, memory)
         nodes = (np.array([state.t, after.t]), np.stack((state.q, q)), np.stack((state.v, v)), np.full(2, 0.5 * h))
-        return Attempt(after, 0.0, 2.0, rate, solves, nodes=nodes)
+        return Attempt(after, 0.0, 2.0, rate, solves, nodes=nodes, multipliers=np.stack((state.multipliers, x.multipliers)))
 
     def _accelerations(self, system: System, linear: Linear, state: State, h: float) -> tuple[Array, Array]:
         """Algorithmic and true, at the start of a step of length h: the time that the first one belongs to moves with h."""
@@ -154,7 +154,7 @@ class ChungHulbert:
         for k in np.unique(part):
             here, first, last = part == k, states[k - 1], states[k]
             q[here], v[here] = hermite(first, last, (times[here] - first.t) / (last.t - first.t))
-        return (q, v) if system.joints.linear else project_samples(system, linear, q, v)
+        return (q, v) if system.joints.linear else project_samples(system, linear, q, v, targets(system.inputs(times)))
 
 
 class Tangents:
@@ -178,6 +178,7 @@ class Equations:
     def __init__(self, method: ChungHulbert, system: System, linear: Linear, state: State, h: float, a: Array, true: Array):
         alpha_m, alpha_f, gamma, beta = method.alpha_m, method.alpha_f, method.gamma, method.beta
         self.system, self.linear, self.h, self.q0, self.inputs = system, linear, h, state.q, system.inputs(state.t + h)
+        self.goal = targets(self.inputs)
         self.stabilised = method.index == 2 and not system.joints.linear
         self.z, self.y = gamma / (beta * h), (1.0 - alpha_m) / ((1.0 - alpha_f) * gamma * h)
         self.dq_free = h * state.v + (0.5 - beta) * h * h * a
@@ -198,7 +199,7 @@ class Equations:
         v = x.v if at.mass_factor else u
         joints, stress, drift = system.joints.at(q), x.stress, x.drift
         r2 = system.mass(self.acceleration(v)) - system.load(q, self.inputs) + (joints.pull(x.multipliers) if system.m else 0.0)
-        g = joints.value
+        g = joints.value - self.goal.value
         if at.strains is not None:
             strains = system.strains(q)
             r5 = system.stress(strains, u) - stress
@@ -210,7 +211,7 @@ class Equations:
             r1 = system.mass(u - v) - joints.pull(drift)
             dq, d_multipliers = at.factor.solve(-r2 - self.y * r1, -g)
             turning = system.joints.to_rows(at.joints.swirl(at.v) * dq[system.joints.cols])
-            dv, d_drift = at.mass_factor.solve(self.z * system.mass(dq) + r1, -joints.push(v) - turning)
+            dv, d_drift = at.mass_factor.solve(self.z * system.mass(dq) + r1, self.goal.rate - joints.push(v) - turning)
             d_multipliers, drift = d_multipliers + self.y * d_drift, drift + d_drift
         if at.strains is not None:
             stress = stress + r5 + system.modulus * at.strains.push(dq)

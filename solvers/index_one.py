@@ -1,6 +1,6 @@
 """Accelerations where the mass matrix is diagonal: the multipliers' own equations, half the size of the KKT matrix.
 
-    S lambda = G M^-1 f + v' d2g/dq2 v,    S = G M^-1 G',    a = M^-1 (f - G' lambda)
+    S lambda = G M^-1 f + v' d2g/dq2 v - c'',    S = G M^-1 G',    a = M^-1 (f - G' lambda)
 
 S is symmetric and positive definite; its entries are sums over pairs of entries of G in one column, listed once. Rigid bodies about
 their principal axes and particles have diagonal M; other systems, redundant joints and massless coordinates take the KKT matrix.
@@ -17,7 +17,7 @@ from .formats import Singular
 from .linear import Linear
 from .ordering import half_bandwidth, reverse_cuthill_mckee
 from .start import accelerations, mass_factor
-from .system import Array, Index, System
+from .system import Array, Index, System, targets
 
 NEARLY_SINGULAR = 1e-9
 """Squared ratio of the smallest to the largest pivot of the scaled S below which the multipliers are no longer trusted."""
@@ -74,7 +74,7 @@ class NormalEquations:
             force = force - strains.pull(system.stress(strains, v))
         joints = system.joints.at(q)
         free = self.inverse * force
-        right = joints.push(free) + joints.bias(v)
+        right = joints.push(free) + joints.bias(v) - targets(inputs).acceleration
         multipliers = self._solve(joints.gradient * self.root, right)
         return free - self.inverse * joints.pull(multipliers), multipliers
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from .linear import Linear
@@ -24,6 +24,15 @@ class Record:
     failure: str = ""
     worst: int = -1
 
+    def accept(self, state: State, work: float) -> None:
+        self.steps += 1
+        self.work.append(self.work[-1] + work)
+        self.states.append(state)
+
+    def refuse(self, attempt: Attempt) -> None:
+        self.failed += attempt.state is None
+        self.rejected += attempt.state is not None
+
 
 def march(
     system: System,
@@ -34,33 +43,33 @@ def march(
     tolerance: float,
     first_step: float,
     *,
-    work: Callable[[Attempt], float] | None = None,
-    watch: Callable[[State], None] | None = None,
+    stops: Sequence[float] = (),
+    work: Callable[[Attempt], float] = lambda attempt: 0.0,
+    watch: Callable[[State, Attempt], Attempt | None] = lambda before, attempt: None,
 ) -> None:
-    """Steps from the record's last state to t_end. Stops early, with ``failure`` set, where steps become too short."""
+    """Steps from the record's last state to t_end. Stops early, with ``failure`` set, where steps become too short.
+
+    stops  ascending times before t_end: steps end on them, and the next starts anew, as no forecast reaches across what may jump there
+    watch  sees each step before it is recorded; it may give a shorter one in its place, with which the run ends
+    """
     state = record.states[-1]
-    pace = Pace(state.t, t_end, first_step, method.fixed)
+    pace = Pace(state.t, (*stops, t_end), first_step, method.fixed)
     while state.t < t_end:
-        h = pace.offer(state.t)
+        h, stop = pace.offer(state.t)
         attempt = method.step(system, linear, state, h, tolerance)
         record.solves += attempt.solves
-        if attempt.state is None:
-            record.failed += 1
-            pace.failed(h)
-        elif attempt.error > 1.0 and method.fixed is None:
-            record.rejected += 1
-            pace.rejected(h, attempt)
-        else:
-            landed = attempt.state if h < t_end - state.t else attempt.state._replace(t=t_end)
+        if attempt.state is not None and (attempt.error <= 1.0 or method.fixed is not None):
+            landed = attempt.state if stop is None else attempt.state._replace(t=stop)
             pace.accepted(landed.t, h, attempt)
-            record.steps += 1
-            record.work.append(record.work[-1] + (work(attempt) if work else 0.0))
-            record.states.append(landed._replace(memory=method.kept(landed.memory)))
-            state = landed
-            if watch:
-                watch(state)
+            last = watch(state, attempt._replace(state=landed))
+            if last is not None and last.state is not None:
+                attempt, landed, t_end = last, last.state, last.state.t
+                record.solves += last.solves
+            record.accept(landed._replace(memory=method.kept(landed.memory)), work(attempt))
+            state = landed if stop is None else landed._replace(memory=None)
             continue
+        record.refuse(attempt)
+        pace.refused(h, attempt)
         if pace.exhausted(state.t):
-            record.failure = attempt.failure or "the estimated error stays above the tolerance"
-            record.worst = attempt.worst
+            record.failure, record.worst = attempt.failure or "the estimated error stays above the tolerance", attempt.worst
             break

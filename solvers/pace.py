@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from .protocol import Attempt
@@ -15,40 +17,49 @@ BELOW_FAILURE, RELAX = 0.7, 1.1
 
 
 class Pace:
-    """The step sizes of one run to t_end: adaptive from a first step, or ``fixed`` on a grid to which it returns after a division."""
+    """The step sizes of one run: adaptive from a first step, or ``fixed`` on a grid to which it returns after a division.
 
-    def __init__(self, t: float, t_end: float, first: float, fixed: float | None):
-        self.start, self.t_end, self.fixed = t, t_end, fixed
-        self.h = fixed or min(first, t_end - t)
+    Steps land on every one of the ``stops``, ascending times after the start; the last is the end.
+    """
+
+    def __init__(self, t: float, stops: Sequence[float], first: float, fixed: float | None):
+        self.start, self.t_end, self.fixed = t, stops[-1], fixed
+        self.h = fixed or min(first, self.t_end - t)
+        self._stops = list(stops)
         self._ceiling = np.inf
         self._last: tuple[float, float] | None = None
 
-    def offer(self, t: float) -> float:
-        """The step to try at t; lands on t_end without a tiny last step."""
-        remaining = self.t_end - t
+    def offer(self, t: float) -> tuple[float, float | None]:
+        """The step to try at t, and the stop that it lands on, if any: without a tiny last step."""
+        remaining = self._stops[0] - t
         if self.h >= remaining * (1.0 - 1e-10):
-            return remaining
+            return remaining, self._stops[0]
         if self.fixed is None and self.h > 0.55 * remaining:
-            return 0.5 * remaining
-        return self.h
+            return 0.5 * remaining, None
+        return self.h, None
 
     def accepted(self, t: float, h: float, attempt: Attempt) -> None:
         """After a step of length h that ended at t."""
+        stopped = t == self._stops[0]
+        if stopped:
+            self._stops.pop(0)
         if self.fixed is not None:
             done = (t - self.start) / self.fixed
             whole = round(done) if abs(done - round(done)) < 1e-6 else np.floor(done)
-            self.h = min(self.fixed, self.start + (whole + 1) * self.fixed - t)
+            self.h = self.start + (whole + 1) * self.fixed - t
             return
         self._ceiling *= RELAX if attempt.rate < CONTRACTION else 1.0
-        self.h = min(h * self._growth(h, attempt), self._ceiling)
+        longer = h * self._growth(h, attempt)
+        if stopped:  # where the step was cut short it says nothing against the length planned, and nothing of the error after a jump
+            longer, self._last = max(longer, self.h), None
+        self.h = min(longer, self._ceiling)
 
-    def failed(self, h: float) -> None:
-        """After an iteration that did not converge."""
-        self.h, self._ceiling = 0.5 * h, BELOW_FAILURE * h
-
-    def rejected(self, h: float, attempt: Attempt) -> None:
-        """After a step whose error was above the tolerance."""
-        self.h = h * max(SHRINK, SAFETY * attempt.error ** (-1.0 / attempt.order))
+    def refused(self, h: float, attempt: Attempt) -> None:
+        """After an iteration that did not converge, or a step whose error was above the tolerance."""
+        if attempt.state is None:
+            self.h, self._ceiling = 0.5 * h, BELOW_FAILURE * h
+        else:
+            self.h = h * max(SHRINK, SAFETY * attempt.error ** (-1.0 / attempt.order))
 
     def exhausted(self, t: float) -> bool:
         """Whether the step is too short to go on."""

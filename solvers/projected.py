@@ -18,7 +18,10 @@ from .index_one import KktEquations, NormalEquations, index_one
 from .linear import Linear
 from .protocol import Attempt, State
 from .start import Inconsistent, mass_factor, project_positions, project_velocities
-from .system import Array, System
+from .system import Array, System, targets
+
+STRICT = 0.1
+"""The local error aimed at, as a share of the tolerance: what steps of this size leave adds up over the long spans they cover."""
 
 
 @dataclass(frozen=True)
@@ -58,13 +61,14 @@ class ProjectedExplicit:
         """One step of length h; ``tolerance`` is a length: the local error allowed in positions."""
         try:
             memory = self._remembered(system, linear, state)
-            positions, velocities, accelerations = self._stages(system, memory, state, h)
+            positions, velocities, accelerations, multipliers = self._stages(system, memory, state, h)
             q, v = state.q + h * (WEIGHTS @ velocities), state.v + h * (WEIGHTS @ accelerations)
-            error = self._error(system, velocities, accelerations, h) / tolerance
+            error = self._error(system, velocities, accelerations, h) / (STRICT * tolerance)
             if not error <= 1.0:
                 return Attempt(state, error if np.isfinite(error) else 1e8, 8.0, 0.0, 0)
             after = self._landed(system, linear, memory, state.t + h, q, v)
-            return Attempt(after, error, 8.0, 0.0, 12, nodes=(state.t + NODES * h, positions, velocities, WEIGHTS * h))
+            nodes = (state.t + NODES * h, positions, velocities, WEIGHTS * h)
+            return Attempt(after, error, 8.0, 0.0, 12, nodes=nodes, multipliers=multipliers)
         except (Singular, Inconsistent) as trouble:
             return Attempt(None, np.inf, 1.0, 0.0, 0, f"singular equations ({trouble})")
 
@@ -74,16 +78,17 @@ class ProjectedExplicit:
         equations = index_one(system, linear)
         return Memory(equations, equations.solve(state.q, state.v, system.inputs(state.t))[0])
 
-    def _stages(self, system: System, memory: Memory, state: State, h: float) -> tuple[Array, Array, Array]:
-        """Positions, velocities and accelerations [12, n] at the stages."""
+    def _stages(self, system: System, memory: Memory, state: State, h: float) -> tuple[Array, Array, Array, Array]:
+        """Positions, velocities and accelerations [12, n], and multipliers [12, m], at the stages."""
         positions, velocities, accelerations = np.empty((3, 12, system.n))
-        positions[0], velocities[0], accelerations[0] = state.q, state.v, memory.acceleration
+        multipliers = np.empty((12, system.m))
+        positions[0], velocities[0], accelerations[0], multipliers[0] = state.q, state.v, memory.acceleration, state.multipliers
         for i in range(1, 12):
             row = h * MATRIX[i, :i]
             velocities[i] = v = state.v + row @ accelerations[:i]
             positions[i] = q = state.q + row @ velocities[:i]
-            accelerations[i], _ = memory.equations.solve(q, v, system.inputs(state.t + NODES[i] * h))
-        return positions, velocities, accelerations
+            accelerations[i], multipliers[i] = memory.equations.solve(q, v, system.inputs(state.t + NODES[i] * h))
+        return positions, velocities, accelerations, multipliers
 
     def _error(self, system: System, velocities: Array, accelerations: Array, h: float) -> float:
         """The estimate of Hairer, Norsett and Wanner, II.10: the embedded orders 5 and 3 together, in positions and velocities times h."""
@@ -97,11 +102,13 @@ class ProjectedExplicit:
 
     def _landed(self, system: System, linear: Linear, memory: Memory, t: float, q: Array, v: Array) -> State:
         """The state at the end of a step, on the joints."""
+        inputs = system.inputs(t)
         if system.m:
+            goal = targets(inputs)
             factor = mass_factor(system, linear, q)
-            q = project_positions(system, linear, q, factor=factor, sweeps=8)
-            v = project_velocities(system, factor, q, v)
-        acceleration, multipliers = memory.equations.solve(q, v, system.inputs(t))
+            q = project_positions(system, linear, q, goal.value, factor=factor, sweeps=8)
+            v = project_velocities(system, factor, q, v, goal.rate)
+        acceleration, multipliers = memory.equations.solve(q, v, inputs)
         stress = system.stress(system.strains(q), v) if system.n_stresses else np.zeros(0)
         return State(t, q, v, multipliers, stress, memory._replace(acceleration=acceleration))
 

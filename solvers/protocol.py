@@ -33,6 +33,7 @@ class Attempt(NamedTuple):
     failure      what went wrong, or ""
     worst        the equation with the largest residual (an index into the rows), -1 where none is to blame
     nodes        times [s], q [s, n], v [s, n] and weights [s] of the step's own quadrature
+    multipliers  [s, m] at the nodes, for the work of drives
     """
 
     state: State | None
@@ -43,6 +44,7 @@ class Attempt(NamedTuple):
     failure: str = ""
     worst: int = -1
     nodes: tuple[Array, Array, Array, Array] | None = None
+    multipliers: Array | None = None
 
 
 class Integrator(Protocol):

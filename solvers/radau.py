@@ -17,10 +17,13 @@ from .linear import Linear
 from .protocol import Attempt, State
 from .stages import Linearised, Middle, StageEquations, Stages
 from .start import Inconsistent, hermite, project_positions, project_samples, project_velocities
-from .system import Array, System
+from .system import Array, System, targets
 
 NEWTON = 0.01
 """Newton stops where its error is below this share of the tolerance."""
+
+STAGNANT = 10.0
+"""An iteration that gets no further is accepted below this multiple of its goal: rounding near a singular position, say."""
 
 SLOW = 0.4
 """A contraction slower than this renews the derivatives in the middle of the iteration."""
@@ -82,14 +85,15 @@ class RadauIIA:
             error = self._error(equations, linear, state, x, at, tolerance)
             q, v = state.q + x.dq[-1], x.v[-1]
             if at.mass_factor is not None:
-                q = project_positions(system, linear, q, factor=at.mass_factor, sweeps=8)
-                v = project_velocities(system, at.mass_factor, q, v)
+                goal = targets(inputs)
+                q = project_positions(system, linear, q, goal.value[-1], factor=at.mass_factor, sweeps=8, allowed=NEWTON * tolerance)
+                v = project_velocities(system, at.mass_factor, q, v, goal.rate[-1])
         except (Singular, Inconsistent) as trouble:
             return Attempt(None, np.inf, 1.0, 1.0, 0, f"singular equations ({trouble})")
         memory = Memory(h, state.q, state.v, state.stress, x, table.stages)
         nodes = (state.t + table.c * h, state.q + x.dq, x.v, table.b * h)
         after = State(state.t + h, q, v, x.multipliers[-1], x.stress[-1], memory)
-        return Attempt(after, error, table.stages + 1.0, rate, solves, nodes=nodes)
+        return Attempt(after, error, table.stages + 1.0, rate, solves, nodes=nodes, multipliers=x.multipliers)
 
     def _predict(self, system: System, state: State, h: float) -> tuple[Stages, Middle]:
         """Stages and middle by the polynomials of the last step; from a start, by constant velocity and stress."""
@@ -134,6 +138,8 @@ class RadauIIA:
                 if k > 2 and fresh and rate > SLOW:
                     at, fresh, last = Linearised(system, linear, self.table, equations.h, self._middle(equations, x), inputs), False, None
                     continue
+                if k > 2 and hopeless and size <= STAGNANT * goal:
+                    return x, at, worst_rate, k
                 if k > 2 and hopeless:
                     return self._failed(f"Newton's iteration does not contract (rate {rate:.2g})", k, system, linear, g)
             last = size
@@ -173,7 +179,7 @@ class RadauIIA:
             return self._halves(system, linear, before, after, times)
         wide = fine.table.extend((times - before.t) / h, with_start=True)
         q, v = before.q + wide[:, 1:] @ found.dq, wide[:, :1] * before.v + wide[:, 1:] @ found.v
-        return (q, v) if system.joints.linear else project_samples(system, linear, q, v)
+        return (q, v) if system.joints.linear else project_samples(system, linear, q, v, targets(system.inputs(times)))
 
     def _resolve(self, system: System, linear: Linear, before: State, after: State) -> Stages | None:
         """The stages of the step from before to after, starting from the cubic between them; None where they do not converge."""

@@ -1,9 +1,9 @@
 """The equations of one Radau IIA step and their simplified Newton iteration.
 
 GGL-stabilised index 2, with stresses S iterated beside the coordinates; X' = A^-1 (X - x0) / h for stage values X:
-    r1 = M (Q' - V) - G' mu                                    (where G is constant: mu = 0, V = Q', left out)
+    r1 = M (Q' - V) - G' mu                 (where G is constant and nothing driven: mu = 0, V = Q', left out)
     r2 = M V' + B(Q)' S - load(Q, Q', t) + G' Lambda
-    r3 = g(Q),   r4 = G V
+    r3 = gamma(Q) - c(t),   r4 = G V - c'(t)                   with c = 0 but where drives act
     r5 = C strain(Q) + eta B Q' - S                            so that one step may turn a stiff beam far
 K, D, G, B of the predicted middle of the step serve all stages. The eigenvectors of A^-1 decouple these into one real and
 (s - 1)/2 complex systems; for each eigenvalue z of A^-1 / h
@@ -18,13 +18,14 @@ Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8 and V
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from .coefficients import Tableau
-from .linear import Linear, Tangent
-from .system import Array, System
+from .coefficients import GaussLobatto, Tableau
+from .linear import Factor, Linear, Tangent
+from .system import Array, System, targets
 
 
 class Stages(NamedTuple):
@@ -49,7 +50,7 @@ class Middle(NamedTuple):
 class Linearised:
     """Derivatives at the middle of a step, factorised for all eigenvalues. Raises Singular."""
 
-    def __init__(self, system: System, linear: Linear, table: Tableau, h: float, middle: Middle, inputs: Any):
+    def __init__(self, system: System, linear: Linear, table: Tableau | GaussLobatto, h: float, middle: Middle, inputs: Any):
         self.system, self.linear, self.table = system, linear, table
         self.joints = system.joints.at(middle.q)
         self.strains = system.strains(middle.q) if system.n_stresses else None
@@ -59,7 +60,11 @@ class Linearised:
         self.tangent: Tangent = linear.tangent(self.joints.gradient, stiffness, damping)
         z = table.eigenvalues / h
         self.factors = [linear.factor(self.tangent, x * x, x, 1.0) for x in (*z[: table.real].real, *z[table.real :])]
-        self.mass_factor = None if system.joints.linear else linear.factor(self.tangent)
+
+    @cached_property
+    def mass_factor(self) -> Factor | None:
+        """The mass KKT matrix; None where G is constant, and then never asked for."""
+        return None if self.system.joints.linear else self.linear.factor(self.tangent)
 
     def solve(self, top: Array, bottom: Array) -> tuple[Array, Array]:
         """The stage system: right sides [s, n] and [s, m], all eigenvalues."""
@@ -97,6 +102,7 @@ class StageEquations:
 
     def __init__(self, system: System, table: Tableau, h: float, q0: Array, v0: Array, inputs: Any):
         self.system, self.table, self.h, self.q0, self.v0, self.inputs = system, table, h, q0, v0, inputs
+        self.goal = targets(inputs)
         self.rate = table.inverse / h
 
     def correct(self, x: Stages, at: Linearised) -> tuple[Stages, float, Array]:
@@ -112,7 +118,7 @@ class StageEquations:
             r2 = r2 + strains.pull(x.stress) + at.pull(r5)
         if system.m:
             r2 = r2 + joints.pull(x.multipliers)
-        g = joints.value
+        g = joints.value - self.goal.value
         if at.mass_factor is None:
             dq, d_multipliers = at.solve(-r2, -g)
             dv, drift = self.rate @ dq, x.drift
@@ -120,7 +126,7 @@ class StageEquations:
             r1 = system.mass(q_rate - v) - joints.pull(x.drift)
             dq, y = at.solve(-r2 - self.rate @ r1, -g)
             dq_rate = self.rate @ dq
-            dv, d_drift = at.mass_factor.solve(system.mass(dq_rate) + r1, -joints.push(v) - at.velocity_swirl(dq))
+            dv, d_drift = at.mass_factor.solve(system.mass(dq_rate) + r1, self.goal.rate - joints.push(v) - at.velocity_swirl(dq))
             d_multipliers = y + self.rate @ d_drift
             drift = x.drift + d_drift
         stress = x.stress

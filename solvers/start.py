@@ -1,8 +1,10 @@
 """Consistent starts: positions and velocities projected to the equations with the least motion in the sense of the mass matrix, then
 accelerations and multipliers from the index-1 equations
 
-    [ M  G' ] [ a      ]   [ f(q, v, t)       ]
-    [ G  0  ] [ lambda ] = [ -v' d2g/dq2 v    ].
+    [ M  G' ] [ a      ]   [ f(q, v, t)              ]
+    [ G  0  ] [ lambda ] = [ c''(t) - v' d2g/dq2 v   ].
+
+Driven equations are gamma(q) = c(t): projections take the values of c and c' that they shall meet.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ import numpy as np
 from .formats import Singular
 from .linear import Factor, Linear
 from .protocol import State
-from .system import Array, System
+from .system import STILL, Array, System, Targets, targets
 
 CONSISTENT = 1e-13
 """Largest |g| / length and |G v| / speed left by a projection."""
@@ -43,37 +45,46 @@ def mass_factor(system: System, linear: Linear, q: Array) -> Factor:
     return linear.factor(linear.tangent(system.joints.at(q).gradient))
 
 
-def project_positions(system: System, linear: Linear, q: Array, *, factor: Factor | None = None, sweeps: int = 50) -> Array:
-    """q with g(q) = 0, by Newton's method (with a given factor: the simplified one); raises Inconsistent where it does not converge."""
+def project_positions(
+    system: System, linear: Linear, q: Array, target: Array = STILL.value, *, factor: Factor | None = None, sweeps: int = 50, allowed: float = 0.0
+) -> Array:
+    """q with gamma(q) = target, by Newton's method (with a given factor: the simplified one).
+
+    Raises Inconsistent where it does not converge, unless a residual of at most the length ``allowed`` was reached on the way.
+    """
     floor = max(CONSISTENT * system.length, 4e-16 * float(np.max(np.abs(q), initial=0.0)))
-    best, fresh, effort = np.inf, factor is None, np.zeros(system.m)
+    best, nearest, fresh, effort = np.inf, q, factor is None, np.zeros(system.m)
     for _ in range(sweeps):
         joints = system.joints.at(q)
-        residual = np.abs(joints.value) * linear.reach
+        gap = joints.value - target
+        residual = np.abs(gap) * linear.reach
         worst = float(np.max(residual, initial=0.0))
         if worst <= floor or (worst <= 100.0 * floor and worst >= best):
             return q
         if not np.isfinite(worst):
             break
-        best = min(best, worst)
+        if worst < best:
+            best, nearest = worst, q
         if fresh:
             factor = linear.factor(linear.tangent(joints.gradient))
         assert factor is not None
-        change, pull = factor.solve(np.zeros(system.n), -joints.value)
+        change, pull = factor.solve(np.zeros(system.n), -gap)
         effort = np.abs(pull) / linear.scale[system.n :]
         limit = 0.5 * system.length / max(float(np.max(np.abs(change) * system.levers)), 1e-300)
         q = q + min(1.0, limit) * change
+    if best <= allowed:
+        return nearest
     stuck = [int(row) for row in np.flatnonzero((residual > 0.1 * worst) | (effort > 0.1 * np.max(effort, initial=0.0)))]
     raise Inconsistent(Defect(f"positions cannot satisfy them together (a distance of {worst:.6g} remains)", stuck, []))
 
 
-def project_velocities(system: System, factor: Factor, q: Array, v: Array, *, sweeps: int = 8) -> Array:
-    """v with G v = 0, by the mass KKT matrix at q or near it; what remains shows in an audit."""
+def project_velocities(system: System, factor: Factor, q: Array, v: Array, target: Array = STILL.rate, *, sweeps: int = 8) -> Array:
+    """v with G v = target, by the mass KKT matrix at q or near it; what remains shows in an audit."""
     joints, reach = system.joints.at(q), factor.linear.reach
-    floor = CONSISTENT * float(np.max(np.abs(v) * system.levers, initial=0.0))
     best = np.inf
     for _ in range(sweeps):
-        slip = joints.push(v)
+        floor = CONSISTENT * float(np.max(np.abs(v) * system.levers, initial=0.0))
+        slip = joints.push(v) - target
         worst = float(np.max(np.abs(slip) * reach, initial=0.0))
         if worst <= floor or worst >= best:
             break
@@ -82,12 +93,13 @@ def project_velocities(system: System, factor: Factor, q: Array, v: Array, *, sw
     return v
 
 
-def project_samples(system: System, linear: Linear, q: Array, v: Array) -> tuple[Array, Array]:
-    """q, v [k, n] near the joints, each projected to them."""
+def project_samples(system: System, linear: Linear, q: Array, v: Array, goal: Targets) -> tuple[Array, Array]:
+    """q, v [k, n] near the joints, each projected to them as they are at its time."""
     q, v = q.copy(), v.copy()
+    values, rates = (np.broadcast_to(x, (len(q), system.m)) for x in (goal.value, goal.rate))
     for k in range(len(q)):
-        q[k] = project_positions(system, linear, q[k])
-        v[k] = project_velocities(system, mass_factor(system, linear, q[k]), q[k], v[k])
+        q[k] = project_positions(system, linear, q[k], values[k])
+        v[k] = project_velocities(system, mass_factor(system, linear, q[k]), q[k], v[k], rates[k])
     return q, v
 
 
@@ -107,7 +119,7 @@ def accelerations(system: System, factor: Factor, q: Array, v: Array, inputs: An
     if system.n_stresses:
         force = force - strains.pull(system.stress(strains, v))
     joints = system.joints.at(q)
-    bias = -joints.bias(v)
+    bias = targets(inputs).acceleration - joints.bias(v)
     a, multipliers = factor.solve(force, bias)
     for _ in range(2 if factor.linear.softened else 0):
         da, more = factor.solve(force - system.mass(a) - joints.pull(multipliers), bias - joints.push(a))

@@ -1,6 +1,6 @@
 """What a solver needs to know of a system, as protocols.
 
-    M dv/dt = load(q, t) - B(q)' sigma - G(q)' lambda,   sigma = C strain(q) + eta d(strain)/dt,   0 = g(q)
+    M dv/dt = load(q, t) - B(q)' sigma - G(q)' lambda,   sigma = C strain(q) + eta d(strain)/dt,   0 = g(q, t) = gamma(q) - c(t)
 
 q, v [..., n], lambda [..., m], sigma [..., n_stresses] with any leading axes; C (``modulus``) and eta (``viscosity``, None where
 nothing damps) are diagonal. Matrices come as values on constant patterns: M and K on n x n, G on m x n.
@@ -18,8 +18,33 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 
+class Targets(Protocol):
+    """c, c' and c'' [..., m], or anything that broadcasts to it, at the times of the inputs."""
+
+    @property
+    def value(self) -> Array: ...
+    @property
+    def rate(self) -> Array: ...
+    @property
+    def acceleration(self) -> Array: ...
+
+
+class Still:
+    """The targets of a system that nothing drives."""
+
+    value = rate = acceleration = np.zeros(1)
+
+
+STILL = Still()
+
+
+def targets(inputs: Any) -> Targets:
+    """What drives follow, of a system's inputs; None are those of a system without any."""
+    return STILL if inputs is None else inputs.targets
+
+
 class JointsAt(Protocol):
-    """The equations at configurations [...]."""
+    """The equations at configurations [...]: ``value`` is gamma, ``bias`` v' d2(gamma)/dq2 v."""
 
     gradient: Array
 
@@ -32,7 +57,7 @@ class JointsAt(Protocol):
 
 
 class Joints(Protocol):
-    """The equations g(q) = 0 [m]; ``linear`` where G is constant."""
+    """The equations gamma(q) = c(t) [m]; ``linear`` where G is constant and nothing is driven: g = 0 then implies G v = 0."""
 
     m: int
     rows: Index

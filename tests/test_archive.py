@@ -33,6 +33,12 @@ def planar() -> mbd.Scene:
     scene.add(mbd.Force(rod.at(0.35), (0, 7)))
     scene.add(mbd.Force(arc.at(0.5), [1.0, 2.0], follower=True))
     scene.add(mbd.Torque(box.at(), 1))
+    slide = scene.add(mbd.Particle(0.5, (4, 0)))
+    cart, wheel = (scene.add(mbd.RigidBody(mass=1.0, inertia=0.1, position=(x, 0))) for x in (5, 6))
+    scene.add(mbd.PointOnLine(slide.at(), scene.ground.at(4, 0), axis=(1, 1)))
+    scene.add(mbd.Slider(cart.at(), scene.ground.at(5, 0), axis=(1, 0)))
+    scene.add(mbd.Prescribed(wheel.at(), (6, 0)))
+    scene.add(mbd.Motor(wheel, scene.ground, speed=3.0))
     return scene
 
 

@@ -23,6 +23,7 @@ DIFFERENCED = 1e-10
 
 
 THIN = ("node", "span")
+LINES = ("PointOnLine", "Slider")
 
 
 class Case(NamedTuple):
@@ -46,14 +47,16 @@ def _admitted(case: Case) -> bool:
     kinds = case[1:3]
     if kinds == ("ground", "ground"):
         return False
-    if case.joint == "Clamp" or (case.joint == "Pin" and case.dimension == 3):
+    if case.joint in LINES and case.second not in ("body", "ground"):
+        return False
+    if case.joint in ("Clamp", "Slider") or (case.joint == "Pin" and case.dimension == 3):
         return "particle" not in kinds and not (case.joint == "Pin" and case.thin == 2)
     return True
 
 
 CASES = [
     case
-    for d, joint, a, b in itertools.product((2, 3), ("Pin", "Ball", "Distance", "Clamp"), MARKERS, MARKERS)
+    for d, joint, a, b in itertools.product((2, 3), ("Pin", "Ball", "Distance", "Clamp", *LINES), MARKERS, MARKERS)
     if _admitted(case := Case(joint, a, b, d))
 ]
 PAIRS = [(a, b, d) for d, a, b in itertools.product((2, 3), MARKERS, MARKERS) if (a, b) != ("ground", "ground")]
@@ -61,7 +64,7 @@ each_case = pytest.mark.parametrize("case", CASES, ids=str)
 
 
 class Build(NamedTuple):
-    """A joint between two items in a scene; the axis of a pin; the tangent of a cable in it."""
+    """A joint between two items in a scene; the axis of a pin or line; the tangent of a cable in it."""
 
     scene: Any
     system: Any
@@ -91,6 +94,8 @@ def add(scene: Any, case: Case, rng: np.random.Generator, names: tuple[str, str]
         axis -= axis @ tangent * tangent  # a pin's axis must lie across the cable
     if d == 3 and case.joint == "Pin":
         words["axis"] = axis
+    if case.joint in LINES:
+        words["axis"] = other.T @ axis if case.second == "body" else axis
     a = MARKERS[case.first](scene, point, frame, names[0])
     b = MARKERS[case.second](scene, second_point, other, names[1])
     joint = scene.add(getattr(mbd, case.joint)(a, b, name=f"{case.joint} of {names}", **words))
@@ -265,7 +270,7 @@ def about_axis(axis: np.ndarray, angle: float) -> np.ndarray:
 def allowed_turn(case: Case, built: Build, rng: np.random.Generator) -> np.ndarray:
     """A relative rotation that the joint leaves free."""
     angle = rng.uniform(0.5, 2.5)
-    if case.joint in ("Ball", "Distance"):
+    if case.joint in ("Ball", "Distance", "PointOnLine"):
         return rotation(rng, case.dimension)
     if case.joint == "Pin":
         return about_axis(built.axis, angle)
@@ -274,11 +279,11 @@ def allowed_turn(case: Case, built: Build, rng: np.random.Generator) -> np.ndarr
 
 def forbidden_turn(case: Case, built: Build) -> np.ndarray | None:
     """A relative rotation that the joint forbids; None where all are free."""
-    if case.joint in ("Ball", "Distance") or (case.joint == "Pin" and case.dimension == 2):
+    if case.joint in ("Ball", "Distance", "PointOnLine") or (case.joint == "Pin" and case.dimension == 2):
         return None
     if case.joint == "Pin" and not case.thin:  # about any axis across that of the pin
         return about_axis(np.cross(built.axis, np.eye(3)[np.argmin(np.abs(built.axis))]), 0.4)
-    return about_axis(built.axis if case.joint == "Clamp" else np.cross(built.axis, built.tangent), 0.4)
+    return about_axis(built.axis if case.joint in ("Clamp", "Slider") else np.cross(built.axis, built.tangent), 0.4)
 
 
 def rows_of(build: Build) -> np.ndarray:
@@ -297,6 +302,8 @@ def placed(case: Case, build: Build, rng: np.random.Generator, turn: np.ndarray,
     pa, pb = a.point.value(q), b.point.value(q)
     mover, here, other, there = (a, pa, b, pb) if case.second == "ground" else (b, pb, a, pa)
     gap = offset if offset is not None else np.zeros(d)
+    if case.joint in LINES:  # a line that moves turns about the point on it
+        gap = gap + rng.standard_normal() * (turn if mover is b else np.eye(d)) @ build.axis
     if case.joint == "Distance":  # anywhere on the sphere around the other point
         gap = gap + there + turn @ (here - there) - here
         turn = rotation(rng, d)
@@ -359,6 +366,8 @@ def test_joint_removes_the_right_number_of_freedoms(case: Case) -> None:
         "Ball": d,
         "Distance": 1,
         "Pin": d if d == 2 else 5 - case.thin,
+        "PointOnLine": d - 1,
+        "Slider": 2 if d == 2 else 5 - case.thin,
         "Clamp": 3 if d == 2 else {0: 6, 1: 5, 2: 6}[case.thin],
     }[case.joint]
     assert len(rows) == expected

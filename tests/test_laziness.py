@@ -144,7 +144,7 @@ def test_the_reader_of_imports_sees_them_all():
     assert ("solvers", "formats.py", "scipy.sparse.linalg", True) in SOURCES
     assert ("joints", "pairs.py", "mbd.rows", False) in SOURCES
     assert ("solvers", "radau.py", "mbd.solvers.start", False) in SOURCES
-    assert ("mbd", "run.py", "mbd.solvers", True) in SOURCES
+    assert ("mbd", "run.py", "mbd.solvers.automatic", True) in SOURCES
     assert {folder for folder, *_ in SOURCES} == set(FOLDERS)
 
 
