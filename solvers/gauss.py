@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .coefficients import GaussLobatto, gauss_lobatto
+from .coefficients import GaussLobatto, gauss_lobatto, lagrange
 from .formats import Singular
 from .linear import Linear
 from .protocol import Attempt, State
@@ -86,6 +86,7 @@ class GaussCollocation:
         self.fixed, self.table = step, gauss_lobatto(stages)
         self.name = f"Gauss collocation, {stages} stages (symplectic, order {2 * stages})"
         c = self.table.c
+        self._at_stages = lagrange(self.table.d, self.table.c)
         nodes, self._powers = np.concatenate(([0.0], c, [1.0])), np.arange(stages + 2)
         self._v_fit = np.linalg.inv((nodes[:, None] - 1.0) ** self._powers)
         self._stress_fit = np.linalg.inv((c[:, None] - 1.0) ** self._powers[:stages])
@@ -112,7 +113,8 @@ class GaussCollocation:
         trend = multipliers - state.memory.multipliers if state.memory else np.zeros_like(multipliers)
         memory = Memory(h, np.concatenate((state.v[None], inner, v[None])), multipliers, trend, x.stress)
         after = State(state.t + h, q, v, table.weights @ multipliers, self._stress_fit[0] @ x.stress, memory)
-        return Attempt(after, 0.0, table.order, rate, solves, nodes=(state.t + table.c * h, state.q + x.dq, inner, table.b * h))
+        nodes = (state.t + table.c * h, state.q + x.dq, inner, table.b * h)
+        return Attempt(after, 0.0, table.order, rate, solves, nodes=nodes, multipliers=self._at_stages @ multipliers)
 
     def _predict(self, system: System, state: State, h: float) -> tuple[Unknowns, Middle]:
         """By the polynomial through the velocities of the last step; from a start, by constant velocity."""

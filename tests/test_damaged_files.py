@@ -178,7 +178,7 @@ EDITS: dict[str, tuple[Edit, str]] = {
     "marker elsewhere": (lambda arrays, head: head["items"][1]["fields"]["a"]["point"].update(rows=[-1, 5]), "markers: expected rows"),
     "marker of text": (lambda arrays, head: head["items"][1]["fields"]["a"].update(point="x"), "damaged"),
     "strange solver": (lambda arrays, head: head["solver"].update({"class": "Solver"}), "solver: expected one of"),
-    "bad solver": (lambda arrays, head: head["solver"]["fields"].update(stages=4), "stages=4"),
+    "bad solver": (lambda arrays, head: head["solver"].update({"class": "Radau", "fields": {"stages": 4}}), "stages=4"),
     "bad gravity": (lambda arrays, head: head.update(gravity=[1.0]), "gravity|found"),
 }
 

@@ -113,6 +113,7 @@ def test_steps_are_solved_however_newton_got_there(monkeypatch, h):
     assert not ends[0].memory.inner and (renewals[0] > 0) == (h == 0.6)
 
 
+@pytest.mark.filterwarnings("ignore:the energy is off:mbd.SceneWarning")
 @pytest.mark.parametrize("rho_inf", [0.3, 0.8, 0.95])
 def test_infinitely_fast_vibrations_shrink_to_rho_inf(rho_inf):
     scene = mbd.Scene(gravity=(0, 0))
