@@ -82,7 +82,7 @@ class Integral:
         acceleration = getattr(speed, "rate", None)
         self._rate = Signal(speed, (), item, unit)
         self._acceleration = Signal(acceleration, (), item, f"{unit[:-1]}^2]") if acceleration else None
-        self.signals = (self._rate, self._acceleration) if self._acceleration else (self._rate,)
+        self.signals: tuple[Signal, ...] = (self._rate, self._acceleration) if self._acceleration else (self._rate,)
         self._known: list[tuple[float, float]] = [(0.0, 0.0)]  # remembered values only save time: each is right to rounding
 
     def value(self, times: Array) -> Array:

@@ -99,7 +99,8 @@ class ChungHulbert:
             return second._replace(solves=solves)
         inner = (*first.state.memory.inner, first.state._replace(memory=None), *second.state.memory.inner)
         after = second.state._replace(t=state.t + h, memory=second.state.memory._replace(inner=inner))
-        t, q, v, weights = (np.concatenate(pair) for pair in zip(first.nodes or (), second.nodes or ()))
+        assert first.nodes and second.nodes and first.multipliers is not None and second.multipliers is not None
+        t, q, v, weights = (np.concatenate(pair) for pair in zip(first.nodes, second.nodes))
         multipliers = np.concatenate((first.multipliers, second.multipliers))
         return Attempt(after, 0.0, 2.0, max(first.rate, second.rate), solves, nodes=(t, q, v, weights), multipliers=multipliers)
 
