@@ -45,8 +45,10 @@ def test_there_are_blocks_and_commands():
 
 def test_continuous_integration_runs_the_commands_that_install():
     script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
-    for command in COMMANDS:
-        assert command in script or "pip install" not in command
+    quick = [command for command in COMMANDS if "pip install" in command and "benchmarks" not in command]  # benchmarks are slow, and named so
+    assert len(quick) == 2
+    for command in quick:
+        assert command in script
 
 
 def test_files_it_names_exist():
