@@ -143,8 +143,7 @@ def test_a_sweep_takes_turns_stops_at_the_budget_and_repeats_what_matters():
 def test_a_run_prints_and_writes_pages(tmp_path, monkeypatch):
     """With one method of mbd, and without the peer."""
     monkeypatch.setattr(command, "peers", lambda case: [])
-    monkeypatch.setattr(mbd_runs, "RTOLS", (1e-3, 1e-8))
-    monkeypatch.setattr(mbd_runs, "ladders", lambda case: [Ladder("mbd", "default", mbd_runs._tolerances(case, None))])
+    monkeypatch.setattr(mbd_runs, "ladders", lambda case: [Ladder("mbd", "default", mbd_runs.tolerances(case, None, (1e-3, 1e-8)))])
     case = scenes.BY_NAME["slider-crank"]
     rows, best, excluded = command.measure(case, 2, 5.0)
     assert [r.rung.rtol for r in rows] == [1e-3, 1e-8]
@@ -153,7 +152,7 @@ def test_a_run_prints_and_writes_pages(tmp_path, monkeypatch):
     assert excluded == []
     text = report.page(case, rows, best, excluded, 1.0, SimpleNamespace(repeats=2, budget=5.0), report.machine())
     assert text.count("| default ") >= 2
-    report.write(tmp_path, case, text, report.record(case, best, excluded, "here"))
+    report.write(tmp_path, case, text, report.record(case, rows, best, excluded, "here"))
     assert (tmp_path / "slider_crank.md").read_text() == text
     assert "slider-crank" in (tmp_path / "README.md").read_text()
 
