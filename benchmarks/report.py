@@ -107,7 +107,9 @@ def summary(entries: dict[str, dict]) -> str:
     parts = [
         "# Run time against error",
         f"Written by `{COMMAND}`. Cells: solve time of mbd over that of the peer, each on its best front at that error (log-log interpolation "
-        "between runs); `only mbd`: the peer cannot reach the error. Errors are shares of each scene's scale.",
+        "between runs); `only mbd`: the peer cannot reach the error. Errors are shares of each scene's scale. Beside this page: "
+        "[what size costs](scaling.md), by `python -m benchmarks.scaling`, and [what the default does with a tolerance](accuracy.md), by "
+        "`python -m benchmarks.accuracy`.",
     ]
     for peer in ("Exudyn", "Exudyn tree"):
         lines = [

@@ -26,7 +26,7 @@ LARGE = 100
 SIZES = {"pendulum": (30, 120, 480, 4800), "chain": (10, 100, 1000, 10000)}
 QUICK = {"pendulum": (30, 120), "chain": (10, 100)}
 ITEMS = {"pendulum": "elements", "chain": "links"}
-STARS = {"200 rigid arms": (200, 0), "200 cables of 4 elements": (200, 4)}
+STARS = {"100 rigid arms": (100, 0), "200 rigid arms": (200, 0), "200 cables of 4 elements": (200, 4)}
 QUICK_STARS = {"20 rigid arms": (20, 0)}
 STARTS = 7
 
@@ -54,7 +54,7 @@ def page(found: dict[str, Any], where: str) -> str:
         "# Cost of size",
         f"Written by `python -m benchmarks.scaling`. {where}. Default tolerance, a few steps; solve time over Newton iterations (or right sides "
         "of the explicit method), all else included: tangents, factorisations, error estimates. The fastest of some runs. `!` marks a bar "
-        f"that is not met: cost growing with a power above {EXPONENT} beyond {LARGE} items, more than {KILOBYTES:g} kB per coordinate.",
+        f"that is not met: cost growing with a power above {EXPONENT} beyond {LARGE} items, more than {KILOBYTES:g} kB per coordinate there.",
     ]
     for kind, rows in found["sizes"].items():
         methods = list(dict.fromkeys(name for row in rows.values() for name in row.get("methods", ())))
@@ -93,8 +93,15 @@ def _title(method: str) -> str:
 
 
 def memory(items: str, methods: Sequence[str], rows: dict[int, dict[str, Any]]) -> str:
-    lines = [[str(n), str(row.get("coordinates", "")), *(marked(_cell(row, m, "kB"), KILOBYTES) for m in methods)] for n, row in rows.items()]
-    return table([items, "coordinates", *methods], lines)
+    lines = [[str(n), str(row.get("coordinates", "")), *(_kilobytes(n, _cell(row, m, "kB")) for m in methods)] for n, row in rows.items()]
+    large = {n: row for n, row in rows.items() if n >= LARGE}
+    totals = [[_cell(row, m, "kB") * row.get("coordinates", 0) for row in large.values()] for m in methods]
+    return table([items, "coordinates", *methods], [*lines, ["power of size", "", *(marked(exponent(list(large), kB), EXPONENT) for kB in totals)]])
+
+
+def _kilobytes(count: int, value: float) -> str:
+    """Marked for large scenes only: for small ones it is the allocator's pages that are counted."""
+    return marked(value, KILOBYTES if count >= LARGE else float("inf"))
 
 
 def _stars(found: dict[str, Any]) -> list[str]:

@@ -22,7 +22,7 @@ from benchmarks.fronts import Front, fronts  # noqa: E402
 from benchmarks.work import Ladder, Row, Rung, Sample, sweep  # noqa: E402
 
 NAMES = [case.name for case in scenes.CASES]
-QUICK = ["soft pendulum", "steel pendulum", "four-bar 1", "squeezer", "slider-crank", "chain 10", "spaghetti", "heavy top"]
+QUICK = ["soft pendulum", "steel pendulum", "four-bar 1", "squeezer", "slider-crank", "flexible slider-crank", "chain 10", "spaghetti", "heavy top"]
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +55,8 @@ def test_every_scene_builds_and_has_a_reference(name):
 def test_mbd_comes_to_the_reference(name):
     """The references were found elsewhere, or at far tighter tolerances by two methods."""
     case = scenes.BY_NAME[name]
-    assert distance(case, "mbd", mbd_runs.run(case, None, 1e-8)) < 1e-5
+    rtol = 1e-7 if name == "flexible slider-crank" else 1e-8  # its vibrations are followed one by one, in thousands of steps
+    assert distance(case, "mbd", mbd_runs.run(case, None, rtol)) < 1e-5
 
 
 @pytest.mark.parametrize("name", [name for name in QUICK if name != "steel pendulum"])
