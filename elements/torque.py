@@ -68,8 +68,8 @@ class PlacedTorque:
     def assemble(self, model: Model) -> None:
         t = self.description
         if t.marker.dimension == 2:
-            kernel = RigidTorques if t.marker.rigid else PlanarTorques
-            model.load(kernel, (), axes=[t.marker.axes[0]], signals=[Signal(t.value, (), self.name, "[N m]")])
+            planar = RigidTorques if t.marker.rigid else PlanarTorques
+            model.load(planar, (), axes=[t.marker.axes[0]], signals=[Signal(t.value, (), self.name, "[N m]")])
             return
         signal = Signal(t.value, (3,), self.name, "[N m]")
         if not t.marker.rigid:

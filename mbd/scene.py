@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
+from collections import defaultdict
 from typing import Any
 
 import numpy as np
@@ -39,6 +39,7 @@ class Scene:
         self.ground = Ground(self)
         self.items: list[Any] = []
         self._names: dict[str, Any] = {"ground": self.ground}
+        self._numbers: dict[str, int] = defaultdict(lambda: 1)  # the least that a made name may still have, by stem
         self._bad: set[str] = set()
         self._built: tuple[int, System] | None = None
 
@@ -77,7 +78,9 @@ class Scene:
         stem = wanted or description.kind
         if wanted is not None:
             self._complaints.append(f"{description.kind} {wanted!r}: name: expected one not used yet, found {wanted!r} a second time; rename one")
-        return next(name for k in itertools.count(1) if (name := f"{stem} {k}") not in self._names)
+        while (name := f"{stem} {self._numbers[stem]}") in self._names:
+            self._numbers[stem] += 1
+        return name
 
     def _faults(self, name: str, description: Any) -> list[str]:
         markers = getattr(description, "markers", None)

@@ -121,7 +121,7 @@ class System:
         loads = [pairs(self.loads[i].dofs) for i in self._moving_loads]
         curves = [(self.joints.curvature_rows, self.joints.curvature_cols)]
         empty = [(np.zeros(0, np.intp), np.zeros(0, np.intp))]
-        self.damping_rows, self.damping_cols = (np.concatenate(part) for part in zip(*(strains or empty)))
+        self.damping_rows, self.damping_cols = (np.concatenate(part) for part in zip(*(strains if self.viscosity is not None else empty)))
         self.stiffness_rows, self.stiffness_cols = (np.concatenate(part) for part in zip(*(strains + curves + loads)))
 
     def strains(self, q: Array) -> Strains:

@@ -45,9 +45,7 @@ def index_one(system: System, linear: Linear, q: Array) -> Form:
     small = reduced(system, linear, q)
     if small:
         return small
-    diagonal = np.array_equal(system.mass_rows, system.mass_cols) and np.all(np.bincount(system.mass_rows, minlength=system.n) == 1)
-    regular = diagonal and not linear.softened and bool((system.mass_values > 0.0).all()) and system.m > 0
-    if not regular:
+    if not Normal.serves(system) or linear.softened:
         return Kkt(system, linear)
     normal = Normal(system, linear)
     return normal if normal.band or system.m <= DENSEST else Kkt(system, linear)
@@ -94,6 +92,12 @@ class Kkt(Whole):
 
 class Normal(Whole):
     """Through S = G M^-1 G', by Cholesky factors, dense or band."""
+
+    @staticmethod
+    def serves(system: System) -> bool:
+        """Whether there are joints, and M is diagonal and positive."""
+        lone = np.array_equal(system.mass_rows, system.mass_cols) and np.all(np.bincount(system.mass_rows, minlength=system.n) == 1)
+        return bool(system.m > 0 and lone and (system.mass_values > 0.0).all())
 
     def __init__(self, system: System, linear: Linear):
         super().__init__(system, linear)

@@ -41,7 +41,8 @@ class DormandPrince:
 class Memory(NamedTuple):
     """The system in the form prepared for it, with the state, its derivative and its multipliers there.
 
-    ``coarsest`` is the largest tolerance [m] that means something; ``stiffness`` the last step times the fastest rate seen in it, of elastic systems: near 6 stability limits steps, not accuracy.
+    ``coarsest`` is the largest tolerance [m] that means something; ``stiffness`` the last step times the fastest rate seen in it, of elastic
+    systems: near 6 stability limits steps, not accuracy.
     """
 
     form: Form
@@ -77,8 +78,7 @@ class ProjectedExplicit:
             error = self._error(memory.form, rates, h) / (STRICT * min(tolerance, memory.coarsest))
             if not error <= 1.0:
                 return Attempt(state, error if np.isfinite(error) else 1e8, 8.0, 0.0, 0)
-            w = memory.w + (h * WEIGHTS @ rates.reshape(12, -1)).reshape(memory.w.shape)
-            after = self._landed(system, memory, state.t + h, w)
+            after = self._landed(system, memory, state.t + h, _end(memory, rates, h))
             if system.n_stresses:
                 stiffness = h * _fastest(memory.form, after.memory.w - states[-1], after.memory.rate - rates[-1])
                 after = after._replace(memory=after.memory._replace(stiffness=stiffness))
@@ -125,12 +125,19 @@ class ProjectedExplicit:
         """q, v [n_t, n] at times within a step: the ends of steps of their own from its start, as accurate as the step itself."""
         q, v = np.empty((times.size, system.n)), np.empty((times.size, system.n))
         start = before._replace(memory=self._remembered(system, linear, before))
-        for k, t in enumerate(times):
-            landed = self.step(system, linear, start, float(t - before.t), np.inf).state
-            if landed is None:
-                raise ArithmeticError(f"no interpolation at {t:.9g} s: the joints are in a nearly singular position")
-            q[k], v[k] = landed.q, landed.v
+        try:
+            for k, t in enumerate(times):
+                h = float(t - before.t)
+                rates = self._stages(system, start.memory, before.t, h)[1]
+                q[k], v[k] = self._landed(system, start.memory, float(t), _end(start.memory, rates, h))[1:3]
+        except (Singular, Inconsistent) as trouble:
+            raise ArithmeticError(f"no interpolation at {t:.9g} s: the joints are in a nearly singular position ({trouble})") from None
         return q, v
+
+
+def _end(memory: Memory, rates: Array, h: float) -> Array:
+    """The end of a step, before it is moved to the joints."""
+    return memory.w + (h * WEIGHTS @ rates.reshape(12, -1)).reshape(memory.w.shape)
 
 
 def _fastest(form: Form, change: Array, of_rate: Array) -> float:
