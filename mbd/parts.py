@@ -1,0 +1,107 @@
+"""Independent parts of a scene: what no joint, spring or load connects is integrated separately, with steps of its own.
+
+Two items belong together where a marker of one lies on the other; the ground connects nothing. Each part becomes a scene of its own,
+made of the same descriptions, whose coordinates and equations are those of the whole scene in the same order, without the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .affine import Affine, Array
+from .marker import Marker
+from .scene import Scene
+from .system import System
+
+Index = slice | NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A subsystem: the names of its items, its own equations, and where its coordinates and equations are in the whole scene."""
+
+    items: tuple[str, ...]
+    system: System
+    columns: Index
+    rows: Index
+
+    @classmethod
+    def whole(cls, scene: Scene) -> Part:
+        """All of a scene as one part."""
+        return cls(tuple(item.name for item in scene.items), scene.build(), slice(None), slice(None))
+
+    def widened(self, x: Array, n: int) -> Array:
+        """[..., n] in order of the whole scene from the part's own [..., n_part]; NaN where it has no say."""
+        if isinstance(self.columns, slice):
+            return x
+        wide = np.full((*x.shape[:-1], n), np.nan)
+        wide[..., self.columns] = x
+        return wide
+
+
+def split(scene: Scene) -> list[Part]:
+    """The parts of a scene, in order of their first items."""
+    groups = components(scene)
+    if len(groups) == 1 or not all(is_dataclass(item.description) for item in scene.items):
+        return [Part.whole(scene)]
+    system = scene.build()
+    number = {item.name: k for k, group in enumerate(groups) for item in group}
+    by_column = np.array([number[name] for name, _ in system.owners])
+    by_row = np.array([number[name] for name, _ in system.joints.labels], dtype=np.intp)
+    if np.unique(by_column).size < len(groups):  # an item without coordinates or markers may act on anything
+        return [Part.whole(scene)]
+    places = zip(_placed(by_column, len(groups)), _placed(by_row, len(groups)))
+    return [_part(scene, group, *place) for group, place in zip(groups, places)]
+
+
+def _placed(owner: NDArray[np.intp], count: int) -> list[NDArray[np.intp]]:
+    """Where each of so many parts is mentioned, ascending."""
+    return np.split(np.argsort(owner, kind="stable"), np.cumsum(np.bincount(owner, minlength=count))[:-1])
+
+
+def components(scene: Scene) -> list[list[Any]]:
+    """The items of each part, in order of ``add``."""
+    leader = {item.name: item.name for item in scene.items}
+
+    def find(name: str) -> str:
+        while leader[name] != name:
+            leader[name] = leader[leader[name]]
+            name = leader[name]
+        return name
+
+    owners, d = scene.build().owners, scene.dimension
+    for item in scene.items:
+        for marker in getattr(item.description, "markers", ()):
+            for map_ in (marker.point, *marker.axes):
+                for row in map_.rows.tolist():
+                    leader[find(owners[d * row][0])] = find(item.name)
+    groups: dict[str, list[Any]] = {}
+    for item in scene.items:
+        groups.setdefault(find(item.name), []).append(item)
+    return list(groups.values())
+
+
+def _part(scene: Scene, items: Sequence[Any], columns: NDArray[np.intp], rows: NDArray[np.intp]) -> Part:
+    whole, d = scene.build(), scene.dimension
+    table = columns[columns < d * scene.layout.n_rows][::d] // d
+    new_row = np.full(scene.layout.n_rows, -1)
+    new_row[table] = np.arange(table.size)
+    own = Scene(scene.gravity)
+    for item in items:
+        given = {field.name: getattr(item.description, field.name) for field in fields(item.description)}
+        markers = {name: _moved(value, own, new_row) for name, value in given.items() if isinstance(value, Marker)}
+        own.add(replace(item.description, **markers | {"name": item.name}))
+    system = own.build()
+    system.length = min(system.length, whole.length)  # a point alone has no extent of its own
+    return Part(tuple(item.name for item in items), system, columns, rows)
+
+
+def _moved(marker: Marker, scene: Scene, new_row: NDArray[np.intp]) -> Marker:
+    """The marker with the rows of its part."""
+    point, *axes = (Affine(new_row[map_.rows], map_.weights, map_.constant) for map_ in (marker.point, *marker.axes))
+    return Marker(marker.item, scene, point, tuple(axes), marker.rigid)
