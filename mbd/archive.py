@@ -51,11 +51,11 @@ def save(result: Result, path: str | os.PathLike[str]) -> None:
     """
     if result.scene.build() is not result.system:
         raise ValueError("save: expected the scene as it was in this run, found items added since; save a result before adding to its scene")
-    head, pieces = _head(result), result.trajectory.pieces()
+    head = _head(result)
     if head["functions"]:
         names = ", ".join(map(repr, head["functions"]))
         warnings.warn(f"functions of t are not stored: a loaded result refuses what needs those of {names}", SceneWarning, stacklevel=3)
-    arrays = gathered(pieces)
+    arrays = gathered(result.trajectory.pieces(), bool(head["parts"]))
     if result.chosen:
         arrays |= dict(zip(CHOSEN, result.chosen))
     if result.events:
@@ -85,7 +85,7 @@ def _head(result: Result) -> dict[str, Any]:
         "functions": functions(items),
         "coordinates": result.scene.coordinates(),
         "solver": _solver(pieces[0]),
-        "parts": [{"steps": len(each.t), "solver": _solver(each)} for each in pieces] if len(pieces) > 1 else [],
+        "parts": [{"steps": len(each.t), "solver": _solver(each)} for each in pieces] if pieces[0].part.system is not result.system else [],
         "rtol": result.stats["rtol"],
         "stats": result.stats,
         "events": {name: len(times.t) for name, times in result.events.items()},

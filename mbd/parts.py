@@ -2,6 +2,9 @@
 
 Two items belong together where a marker of one lies on the other; the ground connects nothing. Each part becomes a scene of its own,
 made of the same descriptions, whose coordinates and equations are those of the whole scene in the same order, without the others.
+
+Small rigid parts are bundled: the cost of a step is then that of the interpreter, the same for one pendulum and for many. They share
+steps, those of the fastest and for the smallest of them, where that costs less than steps of their own.
 """
 
 from __future__ import annotations
@@ -19,6 +22,9 @@ from .scene import Scene
 from .system import System
 
 Index = slice | NDArray[np.intp]
+
+OVERHEAD = 150
+"""A step of a rigid part costs at least as much as this number of unknowns add to it (measured: 600; rates are rough)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +62,37 @@ def split(scene: Scene) -> list[Part]:
     if np.unique(by_column).size < len(groups):  # an item without coordinates or markers may act on anything
         return [Part.whole(scene)]
     places = zip(_placed(by_column, len(groups)), _placed(by_row, len(groups)))
-    return [_part(scene, group, *place) for group, place in zip(groups, places)]
+    return _bundled(scene, [_part(scene, group, *place, system.length) for group, place in zip(groups, places)])
+
+
+def _bundled(scene: Scene, parts: list[Part]) -> list[Part]:
+    """The parts, small rigid ones of similar pace put together, in order of their first items."""
+    rigid = [part for part in parts if not (part.system.n_stresses or part.system.exchanges)]
+    bundles, fastest = [[part] for part in parts if part not in rigid], np.inf
+    for part in sorted(rigid, key=lambda part: -_rate(scene, part.system)):
+        rate, size = _rate(scene, part.system), part.system.n + part.system.m
+        if fastest * size <= rate * (OVERHEAD + size):
+            bundles[-1].append(part)
+        else:
+            bundles.append([part])
+            fastest = rate
+    place = {item.name: k for k, item in enumerate(scene.items)}
+    bundles.sort(key=lambda bundle: min(place[part.items[0]] for part in bundle))
+    return [_bundle(scene, bundle, place) for bundle in bundles]
+
+
+def _rate(scene: Scene, system: System) -> float:
+    """How fast a rigid system moves [1/s]: by its velocities, or as a pendulum of its length; steps are taken in proportion to it."""
+    speed = float(np.max(np.abs(system.v0) * system.levers, initial=0.0))
+    return max(speed / system.length, float(np.sqrt(np.linalg.norm(scene.gravity) / system.length)))
+
+
+def _bundle(scene: Scene, parts: list[Part], place: dict[str, int]) -> Part:
+    if len(parts) == 1:
+        return parts[0]
+    names = sorted((name for part in parts for name in part.items), key=place.__getitem__)
+    columns, rows = (np.sort(np.concatenate([getattr(part, what) for part in parts])) for what in ("columns", "rows"))
+    return _part(scene, [scene[name] for name in names], columns, rows, min(part.system.length for part in parts))
 
 
 def _placed(owner: NDArray[np.intp], count: int) -> list[NDArray[np.intp]]:
@@ -86,8 +122,9 @@ def components(scene: Scene) -> list[list[Any]]:
     return list(groups.values())
 
 
-def _part(scene: Scene, items: Sequence[Any], columns: NDArray[np.intp], rows: NDArray[np.intp]) -> Part:
-    whole, d = scene.build(), scene.dimension
+def _part(scene: Scene, items: Sequence[Any], columns: NDArray[np.intp], rows: NDArray[np.intp], longest: float) -> Part:
+    """The part of these items, whose errors are measured by its own length, ``longest`` [m] at most: a point alone has none."""
+    d = scene.dimension
     table = columns[columns < d * scene.layout.n_rows][::d] // d
     new_row = np.full(scene.layout.n_rows, -1)
     new_row[table] = np.arange(table.size)
@@ -97,7 +134,7 @@ def _part(scene: Scene, items: Sequence[Any], columns: NDArray[np.intp], rows: N
         markers = {name: _moved(value, own, new_row) for name, value in given.items() if isinstance(value, Marker)}
         own.add(replace(item.description, **markers | {"name": item.name}))
     system = own.build()
-    system.length = min(system.length, whole.length)  # a point alone has no extent of its own
+    system.length = min(system.length, longest)
     return Part(tuple(item.name for item in items), system, columns, rows)
 
 

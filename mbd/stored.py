@@ -1,4 +1,4 @@
-"""The arrays of a trajectory in files: of one part as they are, of several parts all of a name in one row."""
+"""The arrays of a trajectory in files: of a whole scene as they are, of its parts all of a name in one row."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ EVENTS = ("event_t", "event_q", "event_v")
 """Times and states of all events, one after the other; the head says how many belong to which."""
 
 
-def gathered(pieces: Sequence[Trajectory]) -> dict[str, Array]:
-    """The arrays of all parts."""
+def gathered(pieces: Sequence[Trajectory], divided: bool) -> dict[str, Array]:
+    """The arrays of all parts, or where the scene was not divided those of the one that it is."""
     each = [{name: np.array([getattr(state, name) for state in piece.states]) for name in STATE} | {"work": piece.work} for piece in pieces]
-    return each[0] if len(each) == 1 else {name: np.concatenate([own[name].ravel() for own in each]) for name in ARRAYS}
+    return each[0] if not divided else {name: np.concatenate([own[name].ravel() for own in each]) for name in ARRAYS}
 
 
 def divided(arrays: dict[str, Array], parts: list[Part], steps: list[int]) -> list[dict[str, Array]]:
-    """The arrays of each part, checked. Of several they are stored in one row, and ``steps`` says how many are whose; of one as they are."""
+    """The arrays of each part, checked. They are in one row, and ``steps`` says how many are whose; none: the whole scene's."""
     if not steps:
         pieces = [{name: arrays[name] for name in ARRAYS}]
     else:
