@@ -3,8 +3,8 @@
 Two items belong together where a marker of one lies on the other; the ground connects nothing. Each part becomes a scene of its own,
 made of the same descriptions, whose coordinates and equations are those of the whole scene in the same order, without the others.
 
-Small rigid parts are bundled: the cost of a step is then that of the interpreter, the same for one pendulum and for many. They share
-steps, those of the fastest and for the smallest of them, where that costs less than steps of their own.
+Small parts of one kind are bundled: what a step of them costs is the interpreter's, the same for one pendulum and for many. They share the
+steps of the fastest, within the tolerance of the smallest, where that costs less than steps of their own.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .system import System
 Index = slice | NDArray[np.intp]
 
 OVERHEAD = 150
-"""A step of a rigid part costs at least as much as this number of unknowns add to it (measured: 600; rates are rough)."""
+"""A step costs, whatever its size, as much as this number of unknowns add to it (measured: 600; but rates are rough)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,23 +66,48 @@ def split(scene: Scene) -> list[Part]:
 
 
 def _bundled(scene: Scene, parts: list[Part]) -> list[Part]:
-    """The parts, small rigid ones of similar pace put together, in order of their first items."""
-    rigid = [part for part in parts if not (part.system.n_stresses or part.system.exchanges)]
-    bundles, fastest = [[part] for part in parts if part not in rigid], np.inf
-    for part in sorted(rigid, key=lambda part: -_rate(scene, part.system)):
+    """The parts, small ones of one kind and similar pace put together, in order of their first items."""
+    kinds: dict[Any, list[Part]] = {}
+    for part in parts:
+        kinds.setdefault(_kind(part), []).append(part)
+    bundles = [bundle for kind in kinds.values() for bundle in _by_pace(scene, kind)]
+    place = {item.name: k for k, item in enumerate(scene.items)}
+    bundles.sort(key=lambda bundle: min(place[part.items[0]] for part in bundle))
+    return [_bundle(scene, bundle, place) for bundle in bundles]
+
+
+def _kind(part: Part) -> Any:
+    """Equal for parts that may share steps: rigid ones under gravity, small elastic ones of the same masses and stiffness. Loads and drives
+    may do anything at any time: what has some is of its own kind."""
+    system = part.system
+    if system.loads or system.joints.drives or system.dead.any():
+        return part
+    if not system.n_stresses:
+        return "rigid"
+    if system.n + system.m > OVERHEAD:
+        return part
+    masses = system.mass_values[system.mass_rows == system.mass_cols]
+    viscosity = np.zeros(0) if system.viscosity is None else system.viscosity
+    numbers = tuple(tuple(np.char.mod("%.9g", values)) for values in (masses, system.modulus, viscosity))  # equal but for rounding
+    return (system.n, system.m, numbers)
+
+
+def _by_pace(scene: Scene, parts: list[Part]) -> list[list[Part]]:
+    """Bundles of parts of one kind: each joins a faster one where steps of its own would cost more than its share of all of those."""
+    bundles: list[list[Part]] = []
+    fastest = np.inf
+    for part in sorted(parts, key=lambda part: -_rate(scene, part.system)):
         rate, size = _rate(scene, part.system), part.system.n + part.system.m
         if fastest * size <= rate * (OVERHEAD + size):
             bundles[-1].append(part)
         else:
             bundles.append([part])
             fastest = rate
-    place = {item.name: k for k, item in enumerate(scene.items)}
-    bundles.sort(key=lambda bundle: min(place[part.items[0]] for part in bundle))
-    return [_bundle(scene, bundle, place) for bundle in bundles]
+    return bundles
 
 
 def _rate(scene: Scene, system: System) -> float:
-    """How fast a rigid system moves [1/s]: by its velocities, or as a pendulum of its length; steps are taken in proportion to it."""
+    """How fast a system moves [1/s]: by its velocities, or as a pendulum of its length. Of one kind, steps are taken in proportion to it."""
     speed = float(np.max(np.abs(system.v0) * system.levers, initial=0.0))
     return max(speed / system.length, float(np.sqrt(np.linalg.norm(scene.gravity) / system.length)))
 

@@ -16,6 +16,7 @@ from mbd.solvers.linear import Linear
 from mbd.trajectory import Trajectory
 
 from .test_archive import planar, spatial
+from .test_damaged_files import refused, rewrite
 
 
 def springy(scene: mbd.Scene, x: float, stiffness: float, name: str) -> Any:
@@ -187,6 +188,18 @@ def test_a_hundred_pendulums_take_the_steps_of_one(monkeypatch):
     assert counts[0] == counts[1] == counts[2] and unknowns == [14, 140, 1400]
 
 
+def test_copies_of_an_elastic_part_share_a_system_and_others_do_not():
+    scene = mbd.Scene()
+    for k in range(4):
+        springy(scene, 3.0 * k, 50.0 + (k == 3), f"ball {k}")
+    cable(scene, 20.0, 0.7e6, "rod"), cable(scene, 30.0, 0.7e6, "twin"), cable(scene, 40.0, 0.7e7, "stiff")
+    assert [part.items[::2] for part in scene.parts()] == [("ball 0", "ball 1", "ball 2"), ("ball 3",), ("rod", "twin"), ("stiff",)]
+    result = mbd.simulate(scene, 0.1)
+    for name, twin, apart in (("ball 0", "ball 1", 3.0), ("rod", "twin", 10.0)):
+        a, b = (scene[x].at(1.0) if "ball" not in x else scene[x].at() for x in (name, twin))
+        np.testing.assert_allclose(result.position(b) - (apart, 0), result.position(a), rtol=0.0, atol=1e-9)
+
+
 def test_accuracy_does_not_depend_on_what_is_far_away():
     near, far = mbd.Scene(), mbd.Scene()
     for scene, x in ((near, 3.0), (far, 3000.0)):
@@ -280,6 +293,25 @@ def test_a_loaded_run_answers_as_the_saved_one(tmp_path):
         np.testing.assert_allclose(loaded.reaction(loaded.scene["arm pivot"], t=0.05), saved.reaction(scene["arm pivot"], t=0.05), atol=1e-7)
 
 
+@pytest.mark.parametrize(
+    ("edit", "message"),
+    [
+        (lambda arrays, head: head["parts"].pop(), "parts: expected 2 of this scene, found 1"),
+        (lambda arrays, head: head["parts"][0].update(steps=-1), "parts: expected counts of steps"),
+        (lambda arrays, head: head["parts"][0].update(steps=1), "t: expected .* numbers in one row"),
+        (lambda arrays, head: head["parts"][1]["solver"].update({"class": "System"}), "solver: expected one of"),
+        (lambda arrays, head: arrays["q"].__setitem__(3, np.nan), "q: expected finite"),
+        (lambda arrays, head: head.update(parts=[]), "expected finite numbers of shape|damaged|found more"),
+    ],
+)
+def test_damaged_parts_are_refused(tmp_path, edit, message):
+    scene = mbd.Scene()
+    springy(scene, 0.0, 50.0, "soft"), springy(scene, 5.0, 5000.0, "stiff")
+    mbd.simulate(scene, 0.1).save(tmp_path / "run.npz")
+    rewrite(tmp_path / "run.npz", edit)
+    refused(tmp_path / "run.npz", message)
+
+
 # What goes wrong.
 
 
@@ -288,7 +320,7 @@ def test_a_part_that_stops_stops_the_run_at_its_time():
         return (1.0, 0.0) if t < 0.2 else (np.nan, 0.0)
 
     scene = mbd.Scene()
-    springy(scene, 0.0, 50.0, "before")
+    springy(scene, 0.0, 40.0, "before")
     pushed = springy(scene, 5.0, 50.0, "pushed")
     scene.add(mbd.Force(pushed.at(), push, name="push"))
     springy(scene, 9.0, 50.0, "after")
@@ -299,7 +331,7 @@ def test_a_part_that_stops_stops_the_run_at_its_time():
     assert 0.05 < result.t[-1] == middle.t[-1] == after.t[-1] == result.final.t < 0.2 and before.t[-2] < result.t[-1] <= before.t[-1]
     assert np.isfinite(result.q).all() and len(result.q) == len(result.t) and result.audit.energy_error < 1e-4
     whole = mbd.Scene()
-    springy(whole, 0.0, 50.0, "before")
+    springy(whole, 0.0, 40.0, "before")
     alone = mbd.simulate(whole, 1.0)
     np.testing.assert_allclose(result.final.q[:2], alone.position(whole["before"].at(), t=result.t[-1]), atol=1e-12)
 
@@ -325,7 +357,7 @@ def test_an_interrupted_run_keeps_what_all_parts_reached():
 def test_bad_starts_of_all_parts_are_told_at_once():
     scene = mbd.Scene()
     for k in (0, 1):
-        body = scene.add(mbd.RigidBody.rod((3 * k, 0), (3 * k + 1, 0), mass=1.0))
+        body = scene.add(mbd.RigidBody.rod((3 * k, 0), (3 * k + 1, 0), mass=1.0 + k))
         scene.add(mbd.Pin(body.at(-0.5, 0), scene.ground.at(3 * k, 0), name=f"left {k}"))
         scene.add(mbd.Pin(body.at(0.5, 0), scene.ground.at(3 * k + 2, 0), name=f"right {k}"))
         scene.add(mbd.Spring(body.at(), scene.ground.at(0, 5), stiffness=1.0))
@@ -370,6 +402,6 @@ def test_no_matrix_holds_parts_that_run_apart(monkeypatch):
     monkeypatch.setattr(Linear, "__init__", seen)
     scene = mbd.Scene()
     for k in range(10):
-        springy(scene, 3.0 * k, 50.0, f"ball {k}")
+        springy(scene, 3.0 * k, 50.0 + k, f"ball {k}")
     mbd.simulate(scene, 0.05)
     assert sizes == [2] * 10
