@@ -6,6 +6,7 @@ position (bars in line) and takes over again some steps after it was passed; and
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -22,6 +23,8 @@ from .system import Array, System
 
 IMPLICIT_STEPS = 5
 """Steps that the implicit method takes before the explicit one is tried again."""
+
+IMPLICIT, EXPLICIT = 0, 1
 
 STABLE, ALARMS = 6.1, 15
 """Step times fastest rate at the border of stability, and the surplus of steps beyond it that proves a system stiff (Hairer and Wanner)."""
@@ -66,9 +69,8 @@ class Switching:
     def first_step(self, system: System, state: State, acceleration: Array, span: float, tolerance: float) -> float:
         return self.explicit.first_step(system, state, acceleration, span, tolerance)
 
-    def kept(self, memory: Memory | None) -> Memory | None:
-        """Who took the step: values inside are found by the same method."""
-        return None if memory is None else memory._replace(inner=None)
+    def kept(self, memory: Memory | None) -> None:
+        """Nothing: the state says whose step it was, and values inside are found by the same method."""
 
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:
         """One step by the method at work; where the explicit one cannot go on, by the implicit one."""
@@ -80,7 +82,7 @@ class Switching:
                 return self._after_explicit(system, linear, attempt, memory.alarms)
             state, memory = _complete(system, linear, state), Memory(False, None, IMPLICIT_STEPS)
         attempt = self.implicit.step(system, linear, state._replace(memory=memory.inner), h, tolerance)
-        return _remembering(attempt, lambda inner: Memory(False, inner, max(memory.left - 1, 0)))
+        return _remembering(attempt, lambda inner: Memory(False, inner, max(memory.left - 1, 0)), IMPLICIT)
 
     def _after_explicit(self, system: System, linear: Linear, attempt: Attempt, alarms: int) -> Attempt:
         """The explicit method goes on, unless its steps were too often as long as stability allows."""
@@ -88,16 +90,15 @@ class Switching:
         if attempt.error <= 1.0 and isinstance(inner, ExplicitMemory):
             alarms = alarms + 1 if inner.stiffness > STABLE else max(alarms - 1, 0)
         if alarms < ALARMS or attempt.state is None:
-            return _remembering(attempt, lambda inner: Memory(True, inner, 0.0, alarms))
+            return _remembering(attempt, lambda inner: Memory(True, inner, 0.0, alarms), EXPLICIT)
         done = attempt._replace(state=_complete(system, linear, attempt.state))
-        return _remembering(done, lambda inner: Memory(False, None, np.inf))
+        return _remembering(done, lambda inner: Memory(False, None, np.inf), EXPLICIT)
 
     def inside(self, system: System, linear: Linear, before: State, after: State, times: Array) -> tuple[Array, Array]:
-        """q, v [n_t, n] at times within a step, as the method that took it finds them; the implicit one where none is remembered."""
-        explicit = after.memory is not None and after.memory.explicit
-        method: ProjectedExplicit | RadauIIA = self.explicit if explicit else self.implicit
-        start = before._replace(memory=None) if explicit else _complete(system, linear, before)
-        return method.inside(system, linear, start, after, times)
+        """q, v [n_t, n] at times within a step, as the method that took it finds them."""
+        if after.method == EXPLICIT:
+            return self.explicit.inside(system, linear, before._replace(memory=None), after, times)
+        return self.implicit.inside(system, linear, _complete(system, linear, before), after, times)
 
 
 def _complete(system: System, linear: Linear, state: State) -> State:
@@ -109,7 +110,7 @@ def _complete(system: System, linear: Linear, state: State) -> State:
     return state._replace(multipliers=accelerations(system, factor, state.q, state.v, system.inputs(state.t))[1])
 
 
-def _remembering(attempt: Attempt, memory: Any) -> Attempt:
+def _remembering(attempt: Attempt, memory: Callable[[Any], Memory], method: int) -> Attempt:
     if attempt.state is None:
         return attempt
-    return attempt._replace(state=attempt.state._replace(memory=memory(attempt.state.memory)))
+    return attempt._replace(state=attempt.state._replace(memory=memory(attempt.state.memory), method=method))

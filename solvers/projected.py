@@ -59,6 +59,9 @@ class ProjectedExplicit:
     name = "projected Dormand-Prince (order 8, explicit)"
     fixed: float | None = None
 
+    def __init__(self) -> None:
+        self._prepared: tuple[Linear, Form] | None = None  # the form of the last system asked for, whose making costs as much as a step
+
     def first_step(self, system: System, state: State, acceleration: Array, span: float, tolerance: float) -> float:
         """A step over which velocities and accelerations move things by a modest part of the length."""
         speed = float(np.max(np.abs(state.v) * system.levers, initial=0.0))
@@ -90,7 +93,9 @@ class ProjectedExplicit:
     def _remembered(self, system: System, linear: Linear, state: State) -> Memory:
         if isinstance(state.memory, Memory):
             return state.memory
-        form = index_one(system, linear, state.q)
+        if self._prepared is None or self._prepared[0] is not linear:
+            self._prepared = (linear, index_one(system, linear, state.q))
+        form = self._prepared[1]
         w, rate = form.enter(state.q, state.v), np.zeros(form.shape)
         coarsest = FAITHFUL * float(np.min(system.levers, where=system.levers > 0.0, initial=np.inf))
         return Memory(form, w, rate, form.rates(system, w, state.t, rate), coarsest)

@@ -40,11 +40,13 @@ def reduced(system: System, linear: Linear, q: Array) -> Reduced | None:
 
 
 def _basis(system: System, linear: Linear, gradient: Array) -> Array | None:
-    """N [n, k] for constant rows of G; None where coordinates without inertia stay free."""
+    """N [n, k] for constant rows of G; None where nothing stays free, or coordinates without inertia."""
     scale = linear.scale[: system.n]
     directions, upper, _ = qr((gradient * scale).T, pivoting=True)
     pivots = np.abs(upper.diagonal())
     rank = int(np.sum(pivots > REDUNDANT * pivots.max(initial=0.0)))
+    if rank == system.n:
+        return None
     free = np.ascontiguousarray((directions[:, rank:] * scale[:, None]).T)
     try:
         return solve_triangular(cholesky(system.mass(free) @ free.T, lower=True), free, lower=True).T
