@@ -40,9 +40,9 @@ class Form(Protocol):
     def land(self, system: System, w: Array, t: float, out: Array) -> Array: ...
 
 
-def index_one(system: System, linear: Linear, q: Array) -> Form:
-    """The cheapest form of a system about a configuration on its joints."""
-    small = reduced(system, linear, q)
+def index_one(system: System, linear: Linear) -> Form:
+    """The cheapest form of a system."""
+    small = reduced(system, linear)
     if small:
         return small
     if not Normal.serves(system) or linear.softened:

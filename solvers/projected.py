@@ -94,7 +94,7 @@ class ProjectedExplicit:
         if isinstance(state.memory, Memory):
             return state.memory
         if self._prepared is None or self._prepared[0] is not linear:
-            self._prepared = (linear, index_one(system, linear, state.q))
+            self._prepared = (linear, index_one(system, linear))
         form = self._prepared[1]
         w, rate = form.enter(state.q, state.v), np.zeros(form.shape)
         coarsest = FAITHFUL * float(np.min(system.levers, where=system.levers > 0.0, initial=np.inf))

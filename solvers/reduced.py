@@ -25,8 +25,8 @@ NEARLY_SINGULAR = 3e-5
 """Ratio of the smallest to the largest pivot of the factors of G G' below which multipliers are no longer trusted."""
 
 
-def reduced(system: System, linear: Linear, q: Array) -> Reduced | None:
-    """The reduced form of a system about a configuration on its joints; None where it has none or would be too large."""
+def reduced(system: System, linear: Linear) -> Reduced | None:
+    """The reduced form of a system; None where it has none or would be too large."""
     joints = system.joints
     if linear.softened or not joints.quadratic:
         return None
@@ -35,8 +35,8 @@ def reduced(system: System, linear: Linear, q: Array) -> Reduced | None:
     free = system.n - (system.m - kept.size)
     if max(kept.size, 1) * free**2 > LARGEST or system.n > 4 * free + 40:
         return None
-    basis = _basis(system, linear, _dense(system, joints.at(q).gradient)[constant])
-    return None if basis is None else Reduced(system, linear, q, basis, kept)
+    basis = _basis(system, linear, _dense(system, joints.at(linear.origin).gradient)[constant])
+    return None if basis is None else Reduced(system, linear, basis, kept)
 
 
 def _basis(system: System, linear: Linear, gradient: Array) -> Array | None:
@@ -64,7 +64,8 @@ def _dense(system: System, values: Array) -> Array:
 class Reduced:
     """A system for states w [2, k + 1], rows (z, 1) and (u, 0): the constant beside z makes all of G one product."""
 
-    def __init__(self, system: System, linear: Linear, q: Array, basis: Array, kept: Index):
+    def __init__(self, system: System, linear: Linear, basis: Array, kept: Index):
+        q = linear.origin
         self.origin, self.basis, self.kept = q, basis, kept
         self.k, self.m, self.rows = basis.shape[1], kept.size, system.m
         self.shape = (2, self.k + 1)

@@ -66,7 +66,7 @@ def test_accelerations_are_those_of_the_kkt_matrix(name, form):
         assert name == "heavy top"  # a director of which has no inertia of its own
         return
     made = {
-        "reduced": lambda: reduced.reduced(system, linear, system.q0),
+        "reduced": lambda: reduced.reduced(system, linear),
         "normal": lambda: index_one.Normal(system, linear),
         "kkt": lambda: index_one.Kkt(system, linear),
     }[form]()
@@ -86,7 +86,7 @@ def test_accelerations_are_those_of_the_kkt_matrix(name, form):
 def test_reduced_and_whole_forms_land_on_the_joints_with_the_least_motion(name):
     system, linear, q, v, t = moved(SCENES[name](), 5)
     rng = np.random.default_rng(1)
-    small, whole = reduced.reduced(system, linear, system.q0), index_one.Kkt(system, linear)
+    small, whole = reduced.reduced(system, linear), index_one.Kkt(system, linear)
     push = np.zeros(small.shape)
     push[:, :-1] = 1e-5 * rng.standard_normal((2, small.k))
     w = small.enter(q, v) + push
@@ -110,7 +110,7 @@ def test_reduced_and_whole_forms_land_on_the_joints_with_the_least_motion(name):
 def test_linear_rows_leave_their_coordinates_and_cost_nothing():
     scene, *_ = machines.chain(6)
     system = scene.build()
-    form = reduced.reduced(system, consistent(system, State(system.q0, system.v0)).linear, system.q0)
+    form = reduced.reduced(system, consistent(system, State(system.q0, system.v0)).linear)
     assert (form.m, form.k) == (6, 12) and (system.m, system.n) == (18, 24)
 
 
@@ -130,8 +130,8 @@ def test_a_reduced_run_asks_the_joints_nothing_after_its_preparation(monkeypatch
 
 def test_large_or_redundant_systems_have_no_reduced_form():
     system = machines.chain(60)[0].build()
-    assert reduced.reduced(system, consistent(system, State(system.q0, system.v0)).linear, system.q0) is None
-    assert isinstance(index_one.index_one(system, consistent(system, State(system.q0, system.v0)).linear, system.q0), index_one.Normal)
+    assert reduced.reduced(system, consistent(system, State(system.q0, system.v0)).linear) is None
+    assert isinstance(index_one.index_one(system, consistent(system, State(system.q0, system.v0)).linear), index_one.Normal)
 
 
 def test_a_driven_machine_in_reduced_form():
@@ -168,3 +168,13 @@ def test_soft_springs_stay_explicit_and_stiff_ones_do_not():
 def test_beams_are_implicit_from_the_start():
     scene, *_ = machines.flexible_pendulum(n_elements=2)
     assert isinstance(default(scene.build())[0], mbd.Radau)
+
+
+def test_a_start_off_the_joints_is_corrected_before_coordinates_are_left_out():
+    scene = mbd.Scene(gravity=(0.0, -9.81))
+    body = scene.add(mbd.RigidBody.rod((0.05, 0.1), (1.05, 0.1), mass=1.0))
+    pin = scene.add(mbd.Pin(body.at(-0.5, 0), scene.ground.at(0, 0)))
+    with pytest.warns(mbd.SceneWarning, match="moved"):
+        result = mbd.simulate(scene, 0.5, solver=mbd.DormandPrince())
+    assert np.abs(result.position(body.at(-0.5, 0))).max() < 1e-13
+    assert pin.name in str(result.assembly)
