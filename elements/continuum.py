@@ -11,6 +11,8 @@ Sources: Escalona, Hussien and Shabana (1998) for the element; Gerstmayr and Irs
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from mbd.affine import Array
@@ -65,6 +67,7 @@ class Continuum:
         self.nodes, self.dofs = np.moveaxis(nodes, 1, 0).copy(), nodes.reshape(len(nodes), -1)
         one = np.ones_like(length)
         self.scale = np.stack((one, length, one, length), axis=1)
+        self.x_shape, self.y_shape = (by[:, None, :] * self.scale.T[:, :, None] for by in (self.by_x, self.by_y))
         self.components = 1 if self.dimension == 2 else 3
         self.rest_length = np.ones((self.items, points))
         shape = np.moveaxis(rest, 1, 0)
@@ -83,6 +86,29 @@ class Continuum:
         """dr/dxi and d2r/dxi2 [..., d, n, g] from nodal vectors [..., d, n, 4]."""
         scaled = nodal * self.scale
         return scaled @ self.by_x, scaled @ self.by_y
+
+
+def _by_item(stress: Array) -> Array:
+    """[..., n, (1 + c) g] from [..., 1 + c, n, g]."""
+    moved = np.swapaxes(stress, -3, -2)
+    return moved.reshape(*moved.shape[:-2], -1)
+
+
+class Frozen:
+    """The strains' first derivatives at one configuration, as matrices: fewer and larger products than ``ContinuumAt`` makes."""
+
+    def __init__(self, kernel: Continuum, matrix: Array):
+        self.kernel, self.matrix, self.transpose = kernel, matrix, np.ascontiguousarray(np.swapaxes(matrix, -1, -2))
+
+    def pull(self, stress: Array) -> Array:
+        """B' sigma [..., n, 4 d] from sigma [..., 1 + c, n, g]."""
+        return (self.transpose @ _by_item(stress)[..., None])[..., 0]
+
+    def push(self, change: Array) -> Array:
+        """B dq [..., 1 + c, n, g] from dq [..., n_coordinates]."""
+        k = self.kernel
+        local = (self.matrix @ change[..., k.dofs][..., None]).reshape(*change.shape[:-1], k.items, 1 + k.components, k.points)
+        return np.swapaxes(local, -3, -2)
 
 
 class ContinuumAt:
@@ -173,15 +199,27 @@ class ContinuumAt:
         out[..., 1, :, 0, :, :, :] = np.swapaxes(cross, -4, -3)
         return out
 
+    @cached_property
+    def matrix(self) -> Array:
+        """B [..., n, (1 + c) g, 4 d]."""
+        k, gradient = self.kernel, self._gradient()[..., None, :, :]
+        by_shape = gradient[..., 0, :, :, :, :] * k.x_shape
+        by_shape[..., 1:, :, :, :, :] += gradient[..., 1:, 1, :, :, :, :] * k.y_shape
+        out = np.einsum("...cdang->...ncgda", by_shape)  # a view, and faster than moveaxis
+        return out.reshape(*out.shape[:-4], (1 + k.components) * k.points, 4 * k.dimension)
+
+    def frozen(self) -> Frozen:
+        """B alone, for many products."""
+        return Frozen(self.kernel, self.matrix)
+
     def stiffness(self, stress: Array, modulus: Array) -> Array:
         """B' diag(modulus) B + sigma . d2(strain) [..., n, 4 d, 4 d]."""
         k, d = self.kernel, self.kernel.dimension
-        b = self._gradient()
-        h = self._curve(stress) + np.einsum("...cng,...cping,...cqjng->...piqjng", modulus, b, b)
-        h = np.moveaxis(h, (-6, -5, -4, -3, -2, -1), (-3, -5, -2, -4, -6, -1))
+        h = np.einsum("...piqjng->...nijpqg", self._curve(stress))
         full = (h.reshape(*h.shape[:-3], 4 * k.points) @ k._pairs).reshape(*h.shape[:-3], 4, 4)
         full = full * (k.scale[:, :, None] * k.scale[:, None, :])[:, None, None]
-        return np.swapaxes(full, -3, -2).reshape(*full.shape[:-4], 4 * d, 4 * d)
+        weighed = _by_item(modulus)[..., None] * self.matrix
+        return np.swapaxes(full, -3, -2).reshape(*full.shape[:-4], 4 * d, 4 * d) + np.swapaxes(self.matrix, -1, -2) @ weighed
 
     def swirl(self, v: Array) -> Array:
         """d(B v)/dq [..., 1 + c, n, g, 4 d]: what damping adds to the tangent."""

@@ -71,6 +71,9 @@ class LocalFrameAt:
         k = self.kernel
         return (stress[..., None, :3] @ k.axial)[..., 0, :], (stress[..., None, 3:] @ k.bending)[..., 0, :]
 
+    def frozen(self) -> LocalFrameAt:
+        return self
+
     def pull(self, stress: Array) -> Array:
         """B' sigma [..., n, 8]; the term with the frame's rotation makes it a gradient."""
         on_u, on_w = self._nodal(stress)

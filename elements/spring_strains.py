@@ -40,6 +40,9 @@ class StretchAt:
     def value(self) -> Array:
         return self.distance - self.kernel.length[:, None]
 
+    def frozen(self) -> StretchAt:
+        return self
+
     def pull(self, stress: Array) -> Array:
         return self.kernel.maps.pull(stress * self.unit)
 
@@ -110,6 +113,9 @@ class LinearAt:
 
     def __init__(self, kernel: Offset | Twist, value: Array, maps: Maps | _Coordinates):
         self.kernel, self.value, self.maps = kernel, value, maps
+
+    def frozen(self) -> LinearAt:
+        return self
 
     def pull(self, stress: Array) -> Array:
         return self.maps.pull(stress)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -43,6 +44,12 @@ class Strains:
     def push(self, change: Array) -> Array:
         """B dq [..., n_stresses]."""
         return self._join([part.push(change) for part in self.parts], np.broadcast_shapes(self.batch, change.shape[:-1]))
+
+    def frozen(self) -> Strains:
+        """These strains for many products with B: ``push`` and ``pull`` only."""
+        other = copy(self)
+        other.parts = [part.frozen() for part in self.parts]
+        return other
 
     def stiffness(self, stress: Array, modulus: Array, v: Array | None) -> Array:
         """Values of B' diag(modulus) B + sigma . d2(strain)/dq2, and with a velocity B' eta d(B v)/dq."""
