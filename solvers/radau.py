@@ -12,10 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .coefficients import tableau
+from .coupled import Coupled
 from .formats import Singular
 from .linear import Linear
 from .protocol import Attempt, State
-from .stages import Linearised, Middle, StageEquations, Stages
+from .stages import Derivatives, Linearised, Middle, StageEquations, Stages
 from .start import Inconsistent, hermite, project_positions, project_samples, project_velocities
 from .system import Array, System, targets
 
@@ -27,6 +28,9 @@ STAGNANT = 10.0
 
 SLOW = 0.4
 """A contraction slower than this renews the derivatives in the middle of the iteration."""
+
+TURNED = 1e-2
+"""An iteration that fails after its changes fell to this share of the first has a few directions along which it diverges."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +67,20 @@ class Memory(NamedTuple):
     n_stages: int
 
 
+class Newton(NamedTuple):
+    """How an iteration ended: its last change as a length and its stages (where it failed: the best), its first change, the derivatives, the
+    worst contraction, its iterations, the residual of g [s, m], and what went wrong, or ""."""
+
+    size: float
+    x: Stages
+    first: float
+    at: Derivatives
+    rate: float
+    solves: int
+    residual: Array
+    failure: str = ""
+
+
 class RadauIIA:
     """The s-stage method. ``fixed`` is its step, or None; ``rtol`` serves values inside of steps."""
 
@@ -84,10 +102,10 @@ class RadauIIA:
             x, at, rate, solves = found
             error = self._error(equations, linear, state, x, at, tolerance)
             q, v = state.q + x.dq[-1], x.v[-1]
-            if at.mass_factor is not None:
+            if at.end_factor is not None:
                 goal = targets(inputs)
-                q = project_positions(system, linear, q, goal.value[-1], factor=at.mass_factor, sweeps=8, allowed=NEWTON * tolerance)
-                v = project_velocities(system, at.mass_factor, q, v, goal.rate[-1])
+                q = project_positions(system, linear, q, goal.value[-1], factor=at.end_factor, sweeps=8, allowed=NEWTON * tolerance)
+                v = project_velocities(system, at.end_factor, q, v, goal.rate[-1])
         except (Singular, Inconsistent) as trouble:
             return Attempt(None, np.inf, 1.0, 1.0, 0, f"singular equations ({trouble})")
         memory = Memory(h, state.q, state.v, state.stress, x, table.stages)
@@ -116,46 +134,63 @@ class RadauIIA:
 
     def _iterate(
         self, equations: StageEquations, linear: Linear, x: Stages, middle: Middle, tolerance: float, inputs: Any
-    ) -> Attempt | tuple[Stages, Linearised, float, int]:
-        """Simplified Newton; renews its derivatives once where it contracts slowly."""
-        system = equations.system
-        at = Linearised(system, linear, self.table, equations.h, middle, inputs)
+    ) -> Attempt | tuple[Stages, Derivatives, float, int]:
+        """Simplified Newton with the derivatives of the middle; where joints are singular within the step, with those of each stage."""
+        system, spent = equations.system, 0
         goal = max(NEWTON * tolerance, 1e-15 * system.length)
-        worst_rate, fresh = 0.0, True
+        curved = not system.joints.linear
+        try:
+            found = self._newton(equations, linear, x, Linearised(system, linear, self.table, equations.h, middle, inputs), goal, inputs)
+            if not found.failure or not (curved and found.size <= TURNED * found.first):
+                return self._outcome(found, system, linear, 0)
+            x, middle, spent = found.x, self._middle(equations, found.x), found.solves
+        except Singular:
+            if not curved:
+                raise
+        return self._outcome(self._newton(equations, linear, x, Coupled(equations, linear, x, middle, inputs), goal, None), system, linear, spent)
+
+    def _outcome(self, found: Newton, system: System, linear: Linear, spent: int) -> Attempt | tuple[Stages, Derivatives, float, int]:
+        if not found.failure:
+            return found.x, found.at, found.rate, spent + found.solves
+        residual = np.max(np.abs(found.residual), axis=0, initial=0.0) * linear.reach
+        worst = int(np.argmax(residual)) if residual.size and np.isfinite(residual).all() else -1
+        return Attempt(None, np.inf, 1.0, 1.0, spent + found.solves, found.failure, worst)
+
+    def _newton(self, equations: StageEquations, linear: Linear, x: Stages, at: Derivatives, goal: float, inputs: Any) -> Newton:
+        """Iterates from x; renews the derivatives once where it contracts slowly and ``inputs`` are given."""
+        best, worst_rate, fresh, first = (np.inf, x), 0.0, inputs is not None, np.inf
         last: float | None = None
         for k in range(1, self.iterations + 1):
             x, size, g = equations.correct(x, at)
             if not np.isfinite(size):
-                return self._failed("Newton's iteration overflowed", k, system, linear, g)
+                return Newton(*best, first, at, 1.0, k, g, "Newton's iteration overflowed")
+            first = min(first, size) if k == 1 else first
+            if size < best[0]:
+                best = size, x
             if size <= 1e-2 * goal:
-                return x, at, worst_rate, k
+                return Newton(size, x, first, at, worst_rate, k, g)
             if last is not None:
                 rate = size / last
                 worst_rate = max(worst_rate, rate)
                 if rate < 1.0 and rate / (1.0 - rate) * size <= goal:
-                    return x, at, worst_rate, k
+                    return Newton(size, x, first, at, worst_rate, k, g)
                 hopeless = rate >= 1.0 or rate ** (self.iterations - k) / (1.0 - rate) * size > goal
                 if k > 2 and fresh and rate > SLOW:
-                    at, fresh, last = Linearised(system, linear, self.table, equations.h, self._middle(equations, x), inputs), False, None
+                    at, fresh, last = Linearised(equations.system, linear, self.table, equations.h, self._middle(equations, x), inputs), False, None
                     continue
                 if k > 2 and hopeless and size <= STAGNANT * goal:
-                    return x, at, worst_rate, k
+                    return Newton(size, x, first, at, worst_rate, k, g)
                 if k > 2 and hopeless:
-                    return self._failed(f"Newton's iteration does not contract (rate {rate:.2g})", k, system, linear, g)
+                    return Newton(*best, first, at, 1.0, k, g, f"Newton's iteration does not contract (rate {rate:.2g})")
             last = size
-        return self._failed(f"Newton's iteration needs more than {self.iterations} steps", self.iterations, system, linear, g)
+        return Newton(*best, first, at, 1.0, self.iterations, g, f"Newton's iteration needs more than {self.iterations} steps")
 
     def _middle(self, equations: StageEquations, x: Stages) -> Middle:
         wide, narrow = self.table.middle[1:], self.table.middle_stages
         v = equations.v0 * (1.0 - wide.sum()) + wide @ x.v
         return Middle(equations.q0 + wide @ x.dq, v, narrow @ x.multipliers, narrow @ x.stress)
 
-    def _failed(self, what: str, solves: int, system: System, linear: Linear, g: Array) -> Attempt:
-        residual = np.max(np.abs(g), axis=0, initial=0.0) * linear.reach
-        worst = int(np.argmax(residual)) if residual.size and np.isfinite(residual).all() else -1
-        return Attempt(None, np.inf, 1.0, 1.0, solves, what, worst)
-
-    def _error(self, equations: StageEquations, linear: Linear, state: State, x: Stages, at: Linearised, tolerance: float) -> float:
+    def _error(self, equations: StageEquations, linear: Linear, state: State, x: Stages, at: Derivatives, tolerance: float) -> float:
         system, table = equations.system, self.table
         force = system.load(state.q, system.inputs(state.t))
         if system.n_stresses:
