@@ -17,8 +17,8 @@ from .formats import Singular
 from .linear import Linear
 from .protocol import Attempt, State
 from .stages import Derivatives, Linearised, Middle, StageEquations, Stages
-from .start import Inconsistent, hermite, project_positions, project_samples, project_velocities
-from .system import Array, System, targets
+from .start import Inconsistent, hermite, mass_factor, project_positions, project_samples, project_velocities
+from .system import Array, System, Targets, targets
 
 NEWTON = 0.01
 """Newton stops where its error is below this share of the tolerance."""
@@ -102,16 +102,21 @@ class RadauIIA:
             x, at, rate, solves = found
             error = self._error(equations, linear, state, x, at, tolerance)
             q, v = state.q + x.dq[-1], x.v[-1]
-            if at.end_factor is not None:
-                goal = targets(inputs)
-                q = project_positions(system, linear, q, goal.value[-1], factor=at.end_factor, sweeps=8, allowed=NEWTON * tolerance)
-                v = project_velocities(system, at.end_factor, q, v, goal.rate[-1])
+            if not system.joints.linear:
+                q, v = self._landed(system, linear, q, v, targets(inputs))
         except (Singular, Inconsistent) as trouble:
             return Attempt(None, np.inf, 1.0, 1.0, 0, f"singular equations ({trouble})")
         memory = Memory(h, state.q, state.v, state.stress, x, table.stages)
         nodes = (state.t + table.c * h, state.q + x.dq, x.v, table.b * h)
         after = State(state.t + h, q, v, x.multipliers[-1], x.stress[-1], memory)
         return Attempt(after, error, table.stages + 1.0, rate, solves, nodes=nodes, multipliers=x.multipliers)
+
+    def _landed(self, system: System, linear: Linear, q: Array, v: Array, goal: Targets) -> tuple[Array, Array]:
+        """The end of a step projected to the joints to rounding, with their slopes there: the next error estimate sees what is left of an
+        error in positions a hundredfold, and near a singular position a small residual is a large error."""
+        factor = mass_factor(system, linear, q)
+        q = project_positions(system, linear, q, goal.value[-1], factor=factor, sweeps=8)
+        return q, project_velocities(system, factor, q, v, goal.rate[-1])
 
     def _predict(self, system: System, state: State, h: float) -> tuple[Stages, Middle]:
         """Stages and middle by the polynomials of the last step; from a start, by constant velocity and stress."""
@@ -141,7 +146,7 @@ class RadauIIA:
         curved = not system.joints.linear
         try:
             found = self._newton(equations, linear, x, Linearised(system, linear, self.table, equations.h, middle, inputs), goal, inputs)
-            if not found.failure or not (curved and found.size <= TURNED * found.first):
+            if not found.failure or not curved:
                 return self._outcome(found, system, linear, 0)
             x, middle, spent = found.x, self._middle(equations, found.x), found.solves
         except Singular:
