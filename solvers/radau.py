@@ -29,8 +29,8 @@ STAGNANT = 10.0
 SLOW = 0.4
 """A contraction slower than this renews the derivatives in the middle of the iteration."""
 
-TURNED = 1e-2
-"""An iteration that fails after its changes fell to this share of the first has a few directions along which it diverges."""
+AT_SINGULAR = 1e-9
+"""Below this reciprocal condition of the mass KKT matrix, which is about the square of that of G, the end of a step is not projected."""
 
 
 @dataclass(frozen=True)
@@ -113,8 +113,14 @@ class RadauIIA:
 
     def _landed(self, system: System, linear: Linear, q: Array, v: Array, goal: Targets) -> tuple[Array, Array]:
         """The end of a step projected to the joints to rounding, with their slopes there: the next error estimate sees what is left of an
-        error in positions a hundredfold, and near a singular position a small residual is a large error."""
-        factor = mass_factor(system, linear, q)
+        error in positions a hundredfold, and near a singular position a small residual is a large error. At the singular position itself
+        rounding would be what is projected; the last stage meets the equations as far as the iteration went."""
+        try:
+            factor = mass_factor(system, linear, q)
+        except Singular:
+            return q, v
+        if factor.rcond < AT_SINGULAR:
+            return q, v
         q = project_positions(system, linear, q, goal.value[-1], factor=factor, sweeps=8)
         return q, project_velocities(system, factor, q, v, goal.rate[-1])
 

@@ -168,6 +168,8 @@ class StageEquations:
         gamma = self.table.gamma / self.h
         start = self.table.start / self.h
         gap = self.v0 - start @ x.dq
+        if at.end_factor is not None:
+            gap, _ = at.end_factor.solve(self.system.mass(gap), np.zeros(self.system.m))
         top = gamma * self.system.mass(gap) + force - self.system.mass(start @ (x.v - self.v0))
         error, _ = at.real_factor.solve(top, np.zeros(self.system.m))
         return error, gamma * error - gap
