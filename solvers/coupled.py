@@ -16,10 +16,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.sparse import block_diag, coo_array, kron
-from scipy.sparse.linalg import splu
 
-from .formats import Singular
+from .formats import Solve, cheapest
 from .linear import SOFTENING, Factor, Linear
 from .stages import Derivatives, Middle, StageEquations, Stages
 from .system import Array, Index
@@ -49,29 +47,35 @@ class Coupled(Derivatives):
         self.end_factor = self.mass_factor.factors[-1]
         self.real_factor = linear.factor(tangents[-1], gamma**2, gamma, 1.0)
         self._scale = np.concatenate((linear.scale[: system.n], gamma**2 * linear.scale[system.n :]))
-        self._lu = self._factor(equations.rate, SOFTENING * gamma**2 if linear.softened else 0.0)
+        self._solve = self._factor(equations.rate, SOFTENING * gamma**2 if linear.softened else 0.0)
         linear.factorizations += 1
 
-    def _factor(self, rate: Array, softening: float) -> Any:
-        system, joints, one = self.system, self.system.joints, np.eye(len(rate))
+    def _factor(self, rate: Array, softening: float) -> Solve:
+        system, joints, scale, one = self.system, self.system.joints, self._scale, np.eye(len(rate))
 
-        def matrix(rows: Index, cols: Index, values: Array) -> coo_array:
-            size = self._scale.size
-            return coo_array((values * self._scale[rows] * self._scale[cols], (rows, cols)), shape=(size, size))
+        def spread(weights: Array, rows: Index, cols: Index, values: Array) -> tuple[Array, Array, Array]:
+            """A matrix times weights [s, s] between stages; or, for unit weights, one matrix for each stage: values [s, entries]."""
+            i, j = (index[:, None] for index in np.nonzero(weights))
+            scaled = weights[i, j] * (values * scale[rows] * scale[cols])
+            return (i * scale.size + rows).ravel(), (j * scale.size + cols).ravel(), scaled.ravel()
 
-        corner = coo_array(np.diag(np.repeat((0.0, softening), (system.n, system.m))))
-        total = kron(rate @ rate, matrix(system.mass_rows, system.mass_cols, system.mass_values)) - kron(one, corner)
-        total += kron(one, matrix(system.stiffness_rows, system.stiffness_cols, self.stiffness))
+        below, corner = joints.rows + system.n, np.arange(system.n, scale.size)
+        parts = [
+            spread(rate @ rate, system.mass_rows, system.mass_cols, system.mass_values),
+            spread(one, system.stiffness_rows, system.stiffness_cols, self.stiffness),
+            spread(one, below, joints.cols, self.joints.gradient),
+            spread(one, joints.cols, below, self.joints.gradient),
+            spread(one, corner, corner, -softening / scale[corner] ** 2),
+        ]
         if self.damping is not None:
-            total += kron(rate, matrix(system.damping_rows, system.damping_cols, self.damping))
-        gradients = [matrix(joints.rows + system.n, joints.cols, gradient) for gradient in self.joints.gradient]
-        try:
-            return splu((total + block_diag([g + g.T for g in gradients])).tocsc())
-        except RuntimeError as error:
-            raise Singular(str(error)) from None
+            parts.append(spread(rate, system.damping_rows, system.damping_cols, self.damping))
+        rows, cols, values = (np.concatenate(part) for part in zip(*parts))
+        size = len(rate) * scale.size
+        store = cheapest(size, size, rows, cols)
+        return store.factor(np.bincount(store.slot(rows, cols), values, minlength=store.slots))
 
     def solve(self, top: Array, bottom: Array) -> tuple[Array, Array]:
         """The stage system: right sides [s, n] and [s, m]."""
         right = np.concatenate((top, bottom), axis=1) * self._scale
-        x = self._lu.solve(right.ravel()).reshape(right.shape) * self._scale
+        x = self._solve(right.ravel()).reshape(right.shape) * self._scale
         return x[:, : self.system.n], x[:, self.system.n :]

@@ -29,6 +29,9 @@ STAGNANT = 10.0
 SLOW = 0.4
 """A contraction slower than this renews the derivatives in the middle of the iteration."""
 
+SHORTEST = 1e-10
+"""The first step is not below this share of the run."""
+
 AT_SINGULAR = 1e-9
 """Below this reciprocal condition of the mass KKT matrix, which is about the square of that of G, the end of a step is not projected."""
 
@@ -171,6 +174,7 @@ class RadauIIA:
         """Iterates from x; renews the derivatives once where it contracts slowly and ``inputs`` are given."""
         best, worst_rate, fresh, first = (np.inf, x), 0.0, inputs is not None, np.inf
         last: float | None = None
+        slowest = 0.0 if inputs is not None else 0.1  # full Newton's iteration starts faster than it goes on
         for k in range(1, self.iterations + 1):
             x, size, g = equations.correct(x, at)
             if not np.isfinite(size):
@@ -181,7 +185,7 @@ class RadauIIA:
             if size <= 1e-2 * goal:
                 return Newton(size, x, first, at, worst_rate, k, g)
             if last is not None:
-                rate = size / last
+                rate = max(size / last, slowest)
                 worst_rate = max(worst_rate, rate)
                 if rate < 1.0 and rate / (1.0 - rate) * size <= goal:
                     return Newton(size, x, first, at, worst_rate, k, g)
@@ -193,7 +197,7 @@ class RadauIIA:
                     return Newton(size, x, first, at, worst_rate, k, g)
                 if k > 2 and hopeless:
                     return Newton(*best, first, at, 1.0, k, g, f"Newton's iteration does not contract (rate {rate:.2g})")
-            last = size
+            last = size if k > 1 or inputs is not None else None  # a second try first mends what the first one spoilt
         return Newton(*best, first, at, 1.0, self.iterations, g, f"Newton's iteration needs more than {self.iterations} steps")
 
     def _middle(self, equations: StageEquations, x: Stages) -> Middle:
@@ -261,9 +265,9 @@ class RadauIIA:
         return q, v
 
     def first_step(self, system: System, state: State, acceleration: Array, span: float, tolerance: float) -> float:
-        """A step over which accelerations move things by a modest part of the length."""
+        """A step over which accelerations move things by a modest part of the length; next to a singular position they may be anything."""
         speed = float(np.max(np.abs(state.v) * system.levers, initial=0.0))
         pull = float(np.max(np.abs(acceleration) * system.levers, initial=0.0))
         reach = system.length * (tolerance / system.length) ** (1.0 / (self.table.stages + 1.0))
         steps = [span, *([reach / speed] if speed > 0.0 else []), *([np.sqrt(2.0 * reach / pull)] if pull > 0.0 else [])]
-        return 0.1 * min(steps)
+        return max(0.1 * min(steps), SHORTEST * span)
