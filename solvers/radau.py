@@ -20,17 +20,20 @@ from .stages import Derivatives, Linearised, Middle, StageEquations, Stages
 from .start import Inconsistent, hermite, mass_factor, project_positions, project_samples, project_velocities
 from .system import Array, System, Targets, targets
 
-NEWTON = 0.01
-"""Newton stops where its error is below this share of the tolerance."""
+STAGNANT = 0.1
+"""An iteration that gets no further is accepted below this share of the tolerance: rounding near a singular position, say."""
 
-STAGNANT = 10.0
-"""An iteration that gets no further is accepted below this multiple of its goal: rounding near a singular position, say."""
+ROUNDING = 1e-15
+"""What iterations can reach, as a share of the system's length."""
 
 SLOW = 0.4
 """A contraction slower than this renews the derivatives in the middle of the iteration."""
 
 SHORTEST = 1e-10
 """The first step is not below this share of the run."""
+
+TURN = 0.03
+"""The largest angle [rad] that a tolerance may mean for a rigid body."""
 
 AT_SINGULAR = 1e-9
 """Below this reciprocal condition of the mass KKT matrix, which is about the square of that of G, the end of a step is not projected."""
@@ -84,6 +87,13 @@ class Newton(NamedTuple):
     failure: str = ""
 
 
+def _coarsest(system: System) -> float:
+    """The largest tolerance [m] that means something for rigid bodies: it turns the smallest of them by TURN. In a long chain a share of the
+    whole is more than a link, and steps that leave links anywhere fail. Positions have a lever of 1, axes their radius of gyration."""
+    arms = system.levers[(system.levers > 0.0) & (system.levers != 1.0)]
+    return np.inf if system.n_stresses else TURN * float(arms.min(initial=np.inf))
+
+
 class RadauIIA:
     """The s-stage method. ``fixed`` is its step, or None; ``rtol`` serves values inside of steps."""
 
@@ -94,7 +104,7 @@ class RadauIIA:
 
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:
         """One step of length h; ``tolerance`` is a length: the local error allowed in positions."""
-        table = self.table
+        table, tolerance = self.table, min(tolerance, _coarsest(system))
         guess, middle = self._predict(system, state, h)
         inputs = system.inputs(state.t + table.c * h)
         equations = StageEquations(system, table, h, state.q, state.v, inputs)
@@ -151,17 +161,21 @@ class RadauIIA:
     ) -> Attempt | tuple[Stages, Derivatives, float, int]:
         """Simplified Newton with the derivatives of the middle; where joints are singular within the step, with those of each stage."""
         system, spent = equations.system, 0
-        goal = max(NEWTON * tolerance, 1e-15 * system.length)
+        floor = ROUNDING * system.length
+        # At the goal, what is left does not show in the error estimate.
+        goal, enough = max(tolerance / self.table.noise, floor), max(STAGNANT * tolerance, 10.0 * floor)
         curved = not system.joints.linear
         try:
-            found = self._newton(equations, linear, x, Linearised(system, linear, self.table, equations.h, middle, inputs), goal, inputs)
+            found = self._newton(equations, linear, x, Linearised(system, linear, self.table, equations.h, middle, inputs), goal, enough, inputs)
             if not found.failure or not curved:
                 return self._outcome(found, system, linear, 0)
             x, middle, spent = found.x, self._middle(equations, found.x), found.solves
         except Singular:
             if not curved:
                 raise
-        return self._outcome(self._newton(equations, linear, x, Coupled(equations, linear, x, middle, inputs), goal, None), system, linear, spent)
+        return self._outcome(
+            self._newton(equations, linear, x, Coupled(equations, linear, x, middle, inputs), goal, enough, None), system, linear, spent
+        )
 
     def _outcome(self, found: Newton, system: System, linear: Linear, spent: int) -> Attempt | tuple[Stages, Derivatives, float, int]:
         if not found.failure:
@@ -170,7 +184,7 @@ class RadauIIA:
         worst = int(np.argmax(residual)) if residual.size and np.isfinite(residual).all() else -1
         return Attempt(None, np.inf, 1.0, 1.0, spent + found.solves, found.failure, worst)
 
-    def _newton(self, equations: StageEquations, linear: Linear, x: Stages, at: Derivatives, goal: float, inputs: Any) -> Newton:
+    def _newton(self, equations: StageEquations, linear: Linear, x: Stages, at: Derivatives, goal: float, enough: float, inputs: Any) -> Newton:
         """Iterates from x; renews the derivatives once where it contracts slowly and ``inputs`` are given."""
         best, worst_rate, fresh, first = (np.inf, x), 0.0, inputs is not None, np.inf
         last: float | None = None
@@ -193,7 +207,7 @@ class RadauIIA:
                 if k > 2 and fresh and rate > SLOW:
                     at, fresh, last = Linearised(equations.system, linear, self.table, equations.h, self._middle(equations, x), inputs), False, None
                     continue
-                if k > 2 and hopeless and size <= STAGNANT * goal:
+                if k > 2 and hopeless and size <= enough:
                     return Newton(size, x, first, at, worst_rate, k, g)
                 if k > 2 and hopeless:
                     return Newton(*best, first, at, 1.0, k, g, f"Newton's iteration does not contract (rate {rate:.2g})")
