@@ -53,7 +53,7 @@ class Coupled(Derivatives):
     def _factor(self, rate: Array, softening: float) -> Solve:
         system, joints, scale, one = self.system, self.system.joints, self._scale, np.eye(len(rate))
 
-        def spread(weights: Array, rows: Index, cols: Index, values: Array) -> tuple[Array, Array, Array]:
+        def spread(weights: Array, rows: Index, cols: Index, values: Array) -> tuple[Index, Index, Array]:
             """A matrix times weights [s, s] between stages; or, for unit weights, one matrix for each stage: values [s, entries]."""
             i, j = (index[:, None] for index in np.nonzero(weights))
             scaled = weights[i, j] * (values * scale[rows] * scale[cols])

@@ -1,33 +1,24 @@
 """Radau IIA with error control: predicts the stages, iterates them, estimates the error, projects the end.
 
-The stage equations are in ``stages.py``, the coefficients in ``coefficients.py``.
+The stage equations are in ``stages.py``, their iteration in ``newton.py``, the coefficients in ``coefficients.py``.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from numbers import Real
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from .coefficients import tableau
-from .coupled import Coupled
 from .formats import Singular
 from .linear import Linear
+from .newton import Outcome, iterate, middle_of
 from .protocol import Attempt, State
-from .stages import Derivatives, Linearised, Middle, StageEquations, Stages
+from .stages import Derivatives, Middle, StageEquations, Stages
 from .start import Inconsistent, hermite, mass_factor, project_positions, project_samples, project_velocities
 from .system import Array, System, Targets, targets
-
-STAGNANT = 0.1
-"""An iteration that gets no further is accepted below this share of the tolerance: rounding near a singular position, say."""
-
-ROUNDING = 1e-15
-"""What iterations can reach, as a share of the system's length."""
-
-SLOW = 0.4
-"""A contraction slower than this renews the derivatives in the middle of the iteration."""
 
 SHORTEST = 1e-10
 """The first step is not below this share of the run."""
@@ -73,20 +64,6 @@ class Memory(NamedTuple):
     n_stages: int
 
 
-class Newton(NamedTuple):
-    """How an iteration ended: its last change as a length and its stages (where it failed: the best), its first change, the derivatives, the
-    worst contraction, its iterations, the residual of g [s, m], and what went wrong, or ""."""
-
-    size: float
-    x: Stages
-    first: float
-    at: Derivatives
-    rate: float
-    solves: int
-    residual: Array
-    failure: str = ""
-
-
 def _coarsest(system: System) -> float:
     """The largest tolerance [m] that means something for rigid bodies: it turns the smallest of them by TURN. In a long chain a share of the
     whole is more than a link, and steps that leave links anywhere fail. Positions have a lever of 1, axes their radius of gyration."""
@@ -109,10 +86,10 @@ class RadauIIA:
         inputs = system.inputs(state.t + table.c * h)
         equations = StageEquations(system, table, h, state.q, state.v, inputs)
         try:
-            found = self._iterate(equations, linear, guess, middle, tolerance, system.inputs(state.t + 0.5 * h))
-            if isinstance(found, Attempt):
-                return found
-            x, at, rate, solves = found
+            found = iterate(equations, linear, guess, middle, tolerance, system.inputs(state.t + 0.5 * h), self.iterations)
+            if found.failure:
+                return self._refused(found, linear)
+            x, at = found.x, found.at
             error = self._error(equations, linear, state, x, at, tolerance)
             q, v = state.q + x.dq[-1], x.v[-1]
             if not system.joints.linear:
@@ -122,12 +99,11 @@ class RadauIIA:
         memory = Memory(h, state.q, state.v, state.stress, x, table.stages)
         nodes = (state.t + table.c * h, state.q + x.dq, x.v, table.b * h)
         after = State(state.t + h, q, v, x.multipliers[-1], x.stress[-1], memory)
-        return Attempt(after, error, table.stages + 1.0, rate, solves, nodes=nodes, multipliers=x.multipliers)
+        return Attempt(after, error, table.stages + 1.0, found.rate, found.solves, nodes=nodes, multipliers=x.multipliers)
 
     def _landed(self, system: System, linear: Linear, q: Array, v: Array, goal: Targets) -> tuple[Array, Array]:
-        """The end of a step projected to the joints to rounding, with their slopes there: the next error estimate sees what is left of an
-        error in positions a hundredfold, and near a singular position a small residual is a large error. At the singular position itself
-        rounding would be what is projected; the last stage meets the equations as far as the iteration went."""
+        """The end of a step projected to the joints to rounding, with their slopes there: near a singular position a small residual is a
+        large error. At that position rounding would be what is projected; the last stage meets the equations as far as Newton went."""
         try:
             factor = mass_factor(system, linear, q)
         except Singular:
@@ -156,68 +132,10 @@ class RadauIIA:
         stages = Stages(dq[:-1], v[:-1], multipliers[:-1], np.zeros((s, m)), stress[:-1])
         return stages, Middle(state.q + dq[-1], v[-1], multipliers[-1], stress[-1])
 
-    def _iterate(
-        self, equations: StageEquations, linear: Linear, x: Stages, middle: Middle, tolerance: float, inputs: Any
-    ) -> Attempt | tuple[Stages, Derivatives, float, int]:
-        """Simplified Newton with the derivatives of the middle; where joints are singular within the step, with those of each stage."""
-        system, spent = equations.system, 0
-        floor = ROUNDING * system.length
-        # At the goal, what is left does not show in the error estimate.
-        goal, enough = max(tolerance / self.table.noise, floor), max(STAGNANT * tolerance, 10.0 * floor)
-        curved = not system.joints.linear
-        try:
-            found = self._newton(equations, linear, x, Linearised(system, linear, self.table, equations.h, middle, inputs), goal, enough, inputs)
-            if not found.failure or not curved:
-                return self._outcome(found, system, linear, 0)
-            x, middle, spent = found.x, self._middle(equations, found.x), found.solves
-        except Singular:
-            if not curved:
-                raise
-        return self._outcome(
-            self._newton(equations, linear, x, Coupled(equations, linear, x, middle, inputs), goal, enough, None), system, linear, spent
-        )
-
-    def _outcome(self, found: Newton, system: System, linear: Linear, spent: int) -> Attempt | tuple[Stages, Derivatives, float, int]:
-        if not found.failure:
-            return found.x, found.at, found.rate, spent + found.solves
+    def _refused(self, found: Outcome, linear: Linear) -> Attempt:
         residual = np.max(np.abs(found.residual), axis=0, initial=0.0) * linear.reach
         worst = int(np.argmax(residual)) if residual.size and np.isfinite(residual).all() else -1
-        return Attempt(None, np.inf, 1.0, 1.0, spent + found.solves, found.failure, worst)
-
-    def _newton(self, equations: StageEquations, linear: Linear, x: Stages, at: Derivatives, goal: float, enough: float, inputs: Any) -> Newton:
-        """Iterates from x; renews the derivatives once where it contracts slowly and ``inputs`` are given."""
-        best, worst_rate, fresh, first = (np.inf, x), 0.0, inputs is not None, np.inf
-        last: float | None = None
-        slowest = 0.0 if inputs is not None else 0.1  # full Newton's iteration starts faster than it goes on
-        for k in range(1, self.iterations + 1):
-            x, size, g = equations.correct(x, at)
-            if not np.isfinite(size):
-                return Newton(*best, first, at, 1.0, k, g, "Newton's iteration overflowed")
-            first = min(first, size) if k == 1 else first
-            if size < best[0]:
-                best = size, x
-            if size <= 1e-2 * goal:
-                return Newton(size, x, first, at, worst_rate, k, g)
-            if last is not None:
-                rate = max(size / last, slowest)
-                worst_rate = max(worst_rate, rate)
-                if rate < 1.0 and rate / (1.0 - rate) * size <= goal:
-                    return Newton(size, x, first, at, worst_rate, k, g)
-                hopeless = rate >= 1.0 or rate ** (self.iterations - k) / (1.0 - rate) * size > goal
-                if k > 2 and fresh and rate > SLOW:
-                    at, fresh, last = Linearised(equations.system, linear, self.table, equations.h, self._middle(equations, x), inputs), False, None
-                    continue
-                if k > 2 and hopeless and size <= enough:
-                    return Newton(size, x, first, at, worst_rate, k, g)
-                if k > 2 and hopeless:
-                    return Newton(*best, first, at, 1.0, k, g, f"Newton's iteration does not contract (rate {rate:.2g})")
-            last = size if k > 1 or inputs is not None else None  # a second try first mends what the first one spoilt
-        return Newton(*best, first, at, 1.0, self.iterations, g, f"Newton's iteration needs more than {self.iterations} steps")
-
-    def _middle(self, equations: StageEquations, x: Stages) -> Middle:
-        wide, narrow = self.table.middle[1:], self.table.middle_stages
-        v = equations.v0 * (1.0 - wide.sum()) + wide @ x.v
-        return Middle(equations.q0 + wide @ x.dq, v, narrow @ x.multipliers, narrow @ x.stress)
+        return Attempt(None, np.inf, 1.0, 1.0, found.solves, found.failure, worst)
 
     def _error(self, equations: StageEquations, linear: Linear, state: State, x: Stages, at: Derivatives, tolerance: float) -> float:
         system, table = equations.system, self.table
@@ -259,11 +177,11 @@ class RadauIIA:
         )
         equations = StageEquations(system, self.table, h, before.q, before.v, system.inputs(before.t + c * h))
         try:
-            middle = self._middle(equations, guess)
-            found = self._iterate(equations, linear, guess, middle, self.rtol * system.length, system.inputs(before.t + 0.5 * h))
+            at_middle, middle = system.inputs(before.t + 0.5 * h), middle_of(equations, guess)
+            found = iterate(equations, linear, guess, middle, self.rtol * system.length, at_middle, self.iterations)
         except Singular:
             return None
-        return None if isinstance(found, Attempt) else found[0]
+        return None if found.failure else found.x
 
     def _halves(self, system: System, linear: Linear, before: State, after: State, times: Array) -> tuple[Array, Array]:
         """The same in two shorter steps, where the long one does not converge with more stages."""
