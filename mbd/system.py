@@ -153,11 +153,11 @@ class System:
             total = total - at.pull(self.stress(at, v))
         return total
 
-    def stiffness(self, q: Array, v: Array, inputs: Inputs, stress: Array, multipliers: Array) -> Array:
-        """Values of K on (stiffness_rows, stiffness_cols) at one configuration q [n]."""
+    def stiffness(self, q: Array, v: Array, inputs: Inputs, stress: Array, multipliers: Array, *, strains: Strains | None = None) -> Array:
+        """Values of K on (stiffness_rows, stiffness_cols) at one configuration q [n]; ``strains`` are those at q, where they are at hand."""
         parts = []
         if self.measures:
-            parts.append(self.strains(q).stiffness(stress, self.modulus, None if self.viscosity is None else v))
+            parts.append((strains or self.strains(q)).stiffness(stress, self.modulus, None if self.viscosity is None else v))
         parts.append(self.joints.at(q).curvature(multipliers))
         for i in self._moving_loads:
             parts.append(-self.loads[i].gradient(q, inputs.loads[i]).ravel())

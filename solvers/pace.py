@@ -9,7 +9,7 @@ import numpy as np
 from .protocol import Attempt
 
 SAFETY, SHRINK, GROW = 0.85, 0.2, 5.0
-CONTRACTION = 0.35
+CONTRACTION = 0.25
 """Newton's rate that steps aim at. Where tolerances are loose it is what limits them, and it grows with about their fourth power."""
 
 BELOW_FAILURE, RELAX = 0.7, 1.1

@@ -1,32 +1,33 @@
 """Radau IIA with error control: predicts the stages, iterates them, estimates the error, projects the end.
 
-The stage equations are in ``stages.py``, the coefficients in ``coefficients.py``.
+The stage equations are in ``stages.py``, their iteration in ``newton.py``, the coefficients in ``coefficients.py``.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from numbers import Real
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from .coefficients import tableau
 from .formats import Singular
 from .linear import Linear
+from .newton import Outcome, iterate, middle_of
 from .protocol import Attempt, State
-from .stages import Linearised, Middle, StageEquations, Stages
-from .start import Inconsistent, hermite, project_positions, project_samples, project_velocities
-from .system import Array, System, targets
+from .stages import Derivatives, Middle, StageEquations, Stages
+from .start import Inconsistent, hermite, mass_factor, project_positions, project_samples, project_velocities
+from .system import Array, System, Targets, targets
 
-NEWTON = 0.01
-"""Newton stops where its error is below this share of the tolerance."""
+SHORTEST = 1e-10
+"""The first step is not below this share of the run."""
 
-STAGNANT = 10.0
-"""An iteration that gets no further is accepted below this multiple of its goal: rounding near a singular position, say."""
+TURN = 0.03
+"""The largest angle [rad] that a tolerance may mean for a rigid body."""
 
-SLOW = 0.4
-"""A contraction slower than this renews the derivatives in the middle of the iteration."""
+AT_SINGULAR = 1e-9
+"""Below this reciprocal condition of the mass KKT matrix, which is about the square of that of G, the end of a step is not projected."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,13 @@ class Memory(NamedTuple):
     n_stages: int
 
 
+def _coarsest(system: System) -> float:
+    """The largest tolerance [m] that means something for rigid bodies: it turns the smallest of them by TURN. In a long chain a share of the
+    whole is more than a link, and steps that leave links anywhere fail. Positions have a lever of 1, axes their radius of gyration."""
+    arms = system.levers[(system.levers > 0.0) & (system.levers != 1.0)]
+    return np.inf if system.n_stresses else TURN * float(arms.min(initial=np.inf))
+
+
 class RadauIIA:
     """The s-stage method. ``fixed`` is its step, or None; ``rtol`` serves values inside of steps."""
 
@@ -73,27 +81,37 @@ class RadauIIA:
 
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:
         """One step of length h; ``tolerance`` is a length: the local error allowed in positions."""
-        table = self.table
+        table, tolerance = self.table, min(tolerance, _coarsest(system))
         guess, middle = self._predict(system, state, h)
         inputs = system.inputs(state.t + table.c * h)
         equations = StageEquations(system, table, h, state.q, state.v, inputs)
         try:
-            found = self._iterate(equations, linear, guess, middle, tolerance, system.inputs(state.t + 0.5 * h))
-            if isinstance(found, Attempt):
-                return found
-            x, at, rate, solves = found
+            found = iterate(equations, linear, guess, middle, tolerance, system.inputs(state.t + 0.5 * h), self.iterations)
+            if found.failure:
+                return self._refused(found, linear)
+            x, at = found.x, found.at
             error = self._error(equations, linear, state, x, at, tolerance)
             q, v = state.q + x.dq[-1], x.v[-1]
-            if at.mass_factor is not None:
-                goal = targets(inputs)
-                q = project_positions(system, linear, q, goal.value[-1], factor=at.mass_factor, sweeps=8, allowed=NEWTON * tolerance)
-                v = project_velocities(system, at.mass_factor, q, v, goal.rate[-1])
+            if not system.joints.linear:
+                q, v = self._landed(system, linear, q, v, targets(inputs))
         except (Singular, Inconsistent) as trouble:
             return Attempt(None, np.inf, 1.0, 1.0, 0, f"singular equations ({trouble})")
         memory = Memory(h, state.q, state.v, state.stress, x, table.stages)
         nodes = (state.t + table.c * h, state.q + x.dq, x.v, table.b * h)
         after = State(state.t + h, q, v, x.multipliers[-1], x.stress[-1], memory)
-        return Attempt(after, error, table.stages + 1.0, rate, solves, nodes=nodes, multipliers=x.multipliers)
+        return Attempt(after, error, table.stages + 1.0, found.rate, found.solves, nodes=nodes, multipliers=x.multipliers)
+
+    def _landed(self, system: System, linear: Linear, q: Array, v: Array, goal: Targets) -> tuple[Array, Array]:
+        """The end of a step projected to the joints to rounding, with their slopes there: near a singular position a small residual is a
+        large error. At that position rounding would be what is projected; the last stage meets the equations as far as Newton went."""
+        try:
+            factor = mass_factor(system, linear, q)
+        except Singular:
+            return q, v
+        if factor.rcond < AT_SINGULAR:
+            return q, v
+        q = project_positions(system, linear, q, goal.value[-1], factor=factor, sweeps=8)
+        return q, project_velocities(system, factor, q, v, goal.rate[-1])
 
     def _predict(self, system: System, state: State, h: float) -> tuple[Stages, Middle]:
         """Stages and middle by the polynomials of the last step; from a start, by constant velocity and stress."""
@@ -114,48 +132,12 @@ class RadauIIA:
         stages = Stages(dq[:-1], v[:-1], multipliers[:-1], np.zeros((s, m)), stress[:-1])
         return stages, Middle(state.q + dq[-1], v[-1], multipliers[-1], stress[-1])
 
-    def _iterate(
-        self, equations: StageEquations, linear: Linear, x: Stages, middle: Middle, tolerance: float, inputs: Any
-    ) -> Attempt | tuple[Stages, Linearised, float, int]:
-        """Simplified Newton; renews its derivatives once where it contracts slowly."""
-        system = equations.system
-        at = Linearised(system, linear, self.table, equations.h, middle, inputs)
-        goal = max(NEWTON * tolerance, 1e-15 * system.length)
-        worst_rate, fresh = 0.0, True
-        last: float | None = None
-        for k in range(1, self.iterations + 1):
-            x, size, g = equations.correct(x, at)
-            if not np.isfinite(size):
-                return self._failed("Newton's iteration overflowed", k, system, linear, g)
-            if size <= 1e-2 * goal:
-                return x, at, worst_rate, k
-            if last is not None:
-                rate = size / last
-                worst_rate = max(worst_rate, rate)
-                if rate < 1.0 and rate / (1.0 - rate) * size <= goal:
-                    return x, at, worst_rate, k
-                hopeless = rate >= 1.0 or rate ** (self.iterations - k) / (1.0 - rate) * size > goal
-                if k > 2 and fresh and rate > SLOW:
-                    at, fresh, last = Linearised(system, linear, self.table, equations.h, self._middle(equations, x), inputs), False, None
-                    continue
-                if k > 2 and hopeless and size <= STAGNANT * goal:
-                    return x, at, worst_rate, k
-                if k > 2 and hopeless:
-                    return self._failed(f"Newton's iteration does not contract (rate {rate:.2g})", k, system, linear, g)
-            last = size
-        return self._failed(f"Newton's iteration needs more than {self.iterations} steps", self.iterations, system, linear, g)
-
-    def _middle(self, equations: StageEquations, x: Stages) -> Middle:
-        wide, narrow = self.table.middle[1:], self.table.middle_stages
-        v = equations.v0 * (1.0 - wide.sum()) + wide @ x.v
-        return Middle(equations.q0 + wide @ x.dq, v, narrow @ x.multipliers, narrow @ x.stress)
-
-    def _failed(self, what: str, solves: int, system: System, linear: Linear, g: Array) -> Attempt:
-        residual = np.max(np.abs(g), axis=0, initial=0.0) * linear.reach
+    def _refused(self, found: Outcome, linear: Linear) -> Attempt:
+        residual = np.max(np.abs(found.residual), axis=0, initial=0.0) * linear.reach
         worst = int(np.argmax(residual)) if residual.size and np.isfinite(residual).all() else -1
-        return Attempt(None, np.inf, 1.0, 1.0, solves, what, worst)
+        return Attempt(None, np.inf, 1.0, 1.0, found.solves, found.failure, worst)
 
-    def _error(self, equations: StageEquations, linear: Linear, state: State, x: Stages, at: Linearised, tolerance: float) -> float:
+    def _error(self, equations: StageEquations, linear: Linear, state: State, x: Stages, at: Derivatives, tolerance: float) -> float:
         system, table = equations.system, self.table
         force = system.load(state.q, system.inputs(state.t))
         if system.n_stresses:
@@ -195,11 +177,11 @@ class RadauIIA:
         )
         equations = StageEquations(system, self.table, h, before.q, before.v, system.inputs(before.t + c * h))
         try:
-            middle = self._middle(equations, guess)
-            found = self._iterate(equations, linear, guess, middle, self.rtol * system.length, system.inputs(before.t + 0.5 * h))
+            at_middle, middle = system.inputs(before.t + 0.5 * h), middle_of(equations, guess)
+            found = iterate(equations, linear, guess, middle, self.rtol * system.length, at_middle, self.iterations)
         except Singular:
             return None
-        return None if isinstance(found, Attempt) else found[0]
+        return None if found.failure else found.x
 
     def _halves(self, system: System, linear: Linear, before: State, after: State, times: Array) -> tuple[Array, Array]:
         """The same in two shorter steps, where the long one does not converge with more stages."""
@@ -215,9 +197,9 @@ class RadauIIA:
         return q, v
 
     def first_step(self, system: System, state: State, acceleration: Array, span: float, tolerance: float) -> float:
-        """A step over which accelerations move things by a modest part of the length."""
+        """A step over which accelerations move things by a modest part of the length; next to a singular position they may be anything."""
         speed = float(np.max(np.abs(state.v) * system.levers, initial=0.0))
         pull = float(np.max(np.abs(acceleration) * system.levers, initial=0.0))
         reach = system.length * (tolerance / system.length) ** (1.0 / (self.table.stages + 1.0))
         steps = [span, *([reach / speed] if speed > 0.0 else []), *([np.sqrt(2.0 * reach / pull)] if pull > 0.0 else [])]
-        return 0.1 * min(steps)
+        return max(0.1 * min(steps), SHORTEST * span)

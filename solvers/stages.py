@@ -47,37 +47,25 @@ class Middle(NamedTuple):
     stress: Array
 
 
-class Linearised:
-    """Derivatives at the middle of a step, factorised for all eigenvalues. Raises Singular."""
+class Derivatives:
+    """Derivatives of strains and loads at the middle of a step, and of the joints wherever a subclass takes them."""
 
-    def __init__(self, system: System, linear: Linear, table: Tableau | GaussLobatto, h: float, middle: Middle, inputs: Any):
-        self.system, self.linear, self.table = system, linear, table
-        self.joints = system.joints.at(middle.q)
-        self.strains = system.strains(middle.q) if system.n_stresses else None
-        self.v = middle.v
-        stiffness = system.stiffness(middle.q, middle.v, inputs, middle.stress, middle.multipliers)
-        damping = None if system.viscosity is None else system.damping(middle.q)
-        self.tangent: Tangent = linear.tangent(self.joints.gradient, stiffness, damping)
-        z = table.eigenvalues / h
-        self.factors = [linear.factor(self.tangent, x * x, x, 1.0) for x in (*z[: table.real].real, *z[table.real :])]
+    joints: Any
+    v: Array
+    real_factor: Factor
+    mass_factor: Any
+    end_factor: Factor | None
 
-    @cached_property
-    def mass_factor(self) -> Factor | None:
-        """The mass KKT matrix; None where G is constant, and then never asked for."""
-        return None if self.system.joints.linear else self.linear.factor(self.tangent)
+    def __init__(self, system: System, middle: Middle, inputs: Any):
+        self.system = system
+        strains = system.strains(middle.q) if system.n_stresses else None
+        self.stiffness = system.stiffness(middle.q, middle.v, inputs, middle.stress, middle.multipliers, strains=strains)
+        self.strains = strains if strains is None or system.viscosity is not None else strains.frozen()
+        self.damping = None if system.viscosity is None else system.damping(middle.q)
 
     def solve(self, top: Array, bottom: Array) -> tuple[Array, Array]:
-        """The stage system: right sides [s, n] and [s, m], all eigenvalues."""
-        t, linear = self.table, self.linear
-        hat = t.into_parts @ linear.enter(top, bottom)
-        x = np.empty_like(hat)
-        if t.real:
-            x[0] = self.factors[0].solve_scaled(hat[0])
-        for k, factor in enumerate(self.factors[t.real :]):
-            re = t.real + 2 * k
-            pair = factor.solve_scaled(hat[re] + 1j * hat[re + 1])
-            x[re], x[re + 1] = pair.real, pair.imag
-        return linear.leave(t.back_parts @ x)
+        """The stage system: right sides [s, n] and [s, m]."""
+        raise NotImplementedError
 
     def pull(self, stress: Array) -> Array:
         return self.strains.pull(stress) if self.strains is not None else np.zeros((len(stress), self.system.n))
@@ -97,6 +85,42 @@ class Linearised:
         return joints.to_rows(self.joints.swirl(self.v) * dq[..., joints.cols])
 
 
+class Linearised(Derivatives):
+    """All derivatives at the middle of a step, factorised for all eigenvalues. Raises Singular."""
+
+    def __init__(self, system: System, linear: Linear, table: Tableau | GaussLobatto, h: float, middle: Middle, inputs: Any):
+        super().__init__(system, middle, inputs)
+        self.linear, self.table, self.v = linear, table, middle.v
+        self.joints = system.joints.at(middle.q)
+        self.tangent: Tangent = linear.tangent(self.joints.gradient, self.stiffness, self.damping)
+        z = table.eigenvalues / h
+        self.factors = [linear.factor(self.tangent, x * x, x, 1.0) for x in (*z[: table.real].real, *z[table.real :])]
+        self.real_factor = self.factors[0]
+
+    @cached_property
+    def mass_factor(self) -> Factor | None:
+        """The mass KKT matrix; None where G is constant, and then never asked for."""
+        return None if self.system.joints.linear else self.linear.factor(self.tangent)
+
+    @property
+    def end_factor(self) -> Factor | None:  # type: ignore[override]
+        """The mass KKT matrix to project the end of the step with."""
+        return self.mass_factor
+
+    def solve(self, top: Array, bottom: Array) -> tuple[Array, Array]:
+        """The stage system: right sides [s, n] and [s, m], all eigenvalues."""
+        t, linear = self.table, self.linear
+        hat = t.into_parts @ linear.enter(top, bottom)
+        x = np.empty_like(hat)
+        if t.real:
+            x[0] = self.factors[0].solve_scaled(hat[0])
+        for k, factor in enumerate(self.factors[t.real :]):
+            re = t.real + 2 * k
+            pair = factor.solve_scaled(hat[re] + 1j * hat[re + 1])
+            x[re], x[re + 1] = pair.real, pair.imag
+        return linear.leave(t.back_parts @ x)
+
+
 class StageEquations:
     """The residuals of a step from (q0, v0) with given stage inputs, and one Newton correction."""
 
@@ -105,7 +129,7 @@ class StageEquations:
         self.goal = targets(inputs)
         self.rate = table.inverse / h
 
-    def correct(self, x: Stages, at: Linearised) -> tuple[Stages, float, Array]:
+    def correct(self, x: Stages, at: Derivatives) -> tuple[Stages, float, Array]:
         """The next iterate, the size of its change as a length, and the residual of g [s, m]."""
         system = self.system
         q, q_rate = self.q0 + x.dq, self.rate @ x.dq
@@ -139,12 +163,14 @@ class StageEquations:
         levers = self.system.levers
         return max(float(np.max(np.abs(dq) * levers)), self.h * float(np.max(np.abs(dv[-1]) * levers)))
 
-    def start_defect(self, x: Stages, force: Array, at: Linearised) -> tuple[Array, Array]:
+    def start_defect(self, x: Stages, force: Array, at: Derivatives) -> tuple[Array, Array]:
         """The embedded estimate of the local error in q and v [n]: the defect of the collocation polynomial at the start of the step,
         filtered by the real system. ``force`` is f - B' sigma - G' lambda at the start. Hairer and Wanner (1996), IV.8, eq. 8.19."""
         gamma = self.table.gamma / self.h
         start = self.table.start / self.h
         gap = self.v0 - start @ x.dq
+        if at.end_factor is not None:
+            gap, _ = at.end_factor.solve(self.system.mass(gap), np.zeros(self.system.m))
         top = gamma * self.system.mass(gap) + force - self.system.mass(start @ (x.v - self.v0))
-        error, _ = at.factors[0].solve(top, np.zeros(self.system.m))
+        error, _ = at.real_factor.solve(top, np.zeros(self.system.m))
         return error, gamma * error - gap

@@ -1,0 +1,143 @@
+"""The iteration that solves the stage equations: simplified Newton by the derivatives of the step's middle, renewed once where it contracts
+slowly; where it fails, as across a singular position of the joints, Newton's with the slopes of each stage (``coupled.py``).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .coupled import Coupled
+from .formats import Singular
+from .linear import Linear
+from .stages import Derivatives, Linearised, Middle, StageEquations, Stages
+from .system import Array
+
+STAGNANT = 0.1
+"""An iteration that gets no further is accepted below this share of the tolerance: rounding near a singular position, say."""
+
+ROUNDING = 1e-15
+"""What iterations can reach, as a share of the system's length."""
+
+SLOW = 0.4
+"""A contraction slower than this renews the derivatives in the middle of the iteration."""
+
+STEADY = 0.1
+"""The contraction that Newton's iteration with each stage's slopes is trusted to go on with: it starts faster."""
+
+
+class Outcome(NamedTuple):
+    """How an iteration ended: its stages (where it failed: the best), the derivatives, the worst contraction, its iterations, the residual of
+    g [s, m], and what went wrong, or ""."""
+
+    x: Stages
+    at: Derivatives
+    rate: float
+    solves: int
+    residual: Array
+    failure: str = ""
+
+
+class Goal(NamedTuple):
+    """Lengths: where an iteration has converged, and where it may stop if it gets no further; and the iterations it has."""
+
+    converged: float
+    enough: float
+    iterations: int
+
+
+def iterate(equations: StageEquations, linear: Linear, x: Stages, middle: Middle, tolerance: float, inputs: Any, iterations: int) -> Outcome:
+    """The stages, from the guess x; ``inputs`` are those of the middle. Raises Singular.
+
+    What is left at the goal does not show in the error estimate."""
+    system, floor = equations.system, ROUNDING * equations.system.length
+    goal = Goal(max(tolerance / equations.table.noise, floor), max(STAGNANT * tolerance, 10.0 * floor), iterations)
+    spent = 0
+    try:
+        found = _simplified(equations, linear, x, middle, inputs, goal)
+        if not found.failure or system.joints.linear:
+            return found
+        x, middle, spent = found.x, middle_of(equations, found.x), found.solves
+    except Singular:
+        if system.joints.linear:
+            raise
+    found = _full(equations, x, Coupled(equations, linear, x, middle, inputs), goal)
+    return found._replace(solves=spent + found.solves)
+
+
+def middle_of(equations: StageEquations, x: Stages) -> Middle:
+    """The middle of the step by the stage polynomials."""
+    wide, narrow = equations.table.middle[1:], equations.table.middle_stages
+    v = equations.v0 * (1.0 - wide.sum()) + wide @ x.v
+    return Middle(equations.q0 + wide @ x.dq, v, narrow @ x.multipliers, narrow @ x.stress)
+
+
+def _simplified(equations: StageEquations, linear: Linear, x: Stages, middle: Middle, inputs: Any, goal: Goal) -> Outcome:
+    def at_middle(middle: Middle) -> Linearised:
+        return Linearised(equations.system, linear, equations.table, equations.h, middle, inputs)
+
+    watch, at, fresh = Watch(goal), at_middle(middle), True
+    for k in range(1, goal.iterations + 1):
+        x, size, g = equations.correct(x, at)
+        verdict = watch.judge(k, x, size)
+        if k > 2 and fresh and watch.ratio > SLOW and verdict not in (CONVERGED, OVERFLOW):
+            at, fresh = at_middle(middle_of(equations, x)), False
+            watch.forget()
+        elif verdict:
+            return watch.outcome(verdict, x, at, k, g)
+    return watch.outcome(f"Newton's iteration needs more than {goal.iterations} steps", x, at, goal.iterations, g)
+
+
+def _full(equations: StageEquations, x: Stages, at: Coupled, goal: Goal) -> Outcome:
+    watch = Watch(goal, STEADY)
+    for k in range(1, goal.iterations + 1):
+        x, size, g = equations.correct(x, at)
+        verdict = watch.judge(k, x, size)
+        if verdict:
+            return watch.outcome(verdict, x, at, k, g)
+        if k == 1:
+            watch.forget()  # the first change mends what the simplified iteration spoilt, and says nothing of the contraction
+    return watch.outcome(f"Newton's iteration needs more than {goal.iterations} steps", x, at, goal.iterations, g)
+
+
+CONVERGED, ENOUGH, OVERFLOW = "converged", "gets no further, but far enough", "Newton's iteration overflowed"
+
+
+class Watch:
+    """The sizes of successive changes, and what they say."""
+
+    def __init__(self, goal: Goal, slowest: float = 0.0):
+        self.goal, self.slowest = goal, slowest
+        self.rate = self.ratio = 0.0
+        self._last: float | None = None
+        self._best: tuple[float, Stages | None] = (np.inf, None)
+
+    def forget(self) -> None:
+        """The next ratio would compare two different iterations."""
+        self._last = None
+
+    def judge(self, k: int, x: Stages, size: float) -> str:
+        """CONVERGED, ENOUGH, what is wrong, or "" to go on, after change number k, to x."""
+        if not np.isfinite(size):
+            return OVERFLOW
+        if size < self._best[0]:
+            self._best = size, x
+        last, self._last, self.ratio = self._last, size, 0.0
+        if size <= 1e-2 * self.goal.converged:
+            return CONVERGED
+        if last is None:
+            return ""
+        self.ratio = rate = max(size / last, self.slowest)
+        self.rate = max(self.rate, rate)
+        if rate < 1.0 and rate / (1.0 - rate) * size <= self.goal.converged:
+            return CONVERGED
+        hopeless = rate >= 1.0 or rate ** (self.goal.iterations - k) / (1.0 - rate) * size > self.goal.converged
+        if k <= 2 or not hopeless:
+            return ""
+        return ENOUGH if size <= self.goal.enough else f"Newton's iteration does not contract (rate {rate:.2g})"
+
+    def outcome(self, verdict: str, x: Stages, at: Derivatives, k: int, g: Array) -> Outcome:
+        if verdict in (CONVERGED, ENOUGH):
+            return Outcome(x, at, self.rate, k, g)
+        return Outcome(self._best[1] or x, at, 1.0, k, g, verdict)
