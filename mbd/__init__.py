@@ -21,6 +21,7 @@ if not (_here / "elements").is_dir():
 if TYPE_CHECKING:
     from .archive import load
     from .assembly import assemble
+    from .balance import Equilibrium
     from .elements import AncfCable, Force, Particle, RigidBody, Spring, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from .signal import piecewise
     from .solvers import Automatic, DormandPrince, Gauss, GeneralizedAlpha, Radau
     from .state import State
+    from .statics import equilibrium
     from .target import Motion
 
 _HOMES = {
@@ -48,6 +50,8 @@ _HOMES = {
     "scene": ("Scene",),
     "assembly": ("assemble",),
     "run": ("simulate",),
+    "balance": ("Equilibrium",),
+    "statics": ("equilibrium",),
     "state": ("State",),
     "precision": ("WorkPrecision", "work_precision"),
     "target": ("Motion",),
@@ -62,6 +66,7 @@ __all__ = [
     "Clamp",
     "Distance",
     "DormandPrince",
+    "Equilibrium",
     "Event",
     "Force",
     "Gauss",
@@ -88,6 +93,7 @@ __all__ = [
     "WorkPrecision",
     "__version__",
     "assemble",
+    "equilibrium",
     "load",
     "piecewise",
     "simulate",
