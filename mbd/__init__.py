@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .archive import load
     from .assembly import assemble
     from .balance import Equilibrium
+    from .branches import Bifurcation, Branch, continuation
     from .elements import AncfCable, Force, Particle, RigidBody, Spring, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
@@ -51,6 +52,7 @@ _HOMES = {
     "assembly": ("assemble",),
     "run": ("simulate",),
     "balance": ("Equilibrium",),
+    "branches": ("Bifurcation", "Branch", "continuation"),
     "statics": ("equilibrium",),
     "state": ("State",),
     "precision": ("WorkPrecision", "work_precision"),
@@ -63,6 +65,8 @@ __all__ = [
     "AncfCable",
     "Automatic",
     "Ball",
+    "Bifurcation",
+    "Branch",
     "Clamp",
     "Distance",
     "DormandPrince",
@@ -93,6 +97,7 @@ __all__ = [
     "WorkPrecision",
     "__version__",
     "assemble",
+    "continuation",
     "equilibrium",
     "load",
     "piecewise",

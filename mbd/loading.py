@@ -1,10 +1,7 @@
 """Loads and targets of drives that depend on a factor s, for statics: what a solver calls a path.
 
-    load(q, s)  = s grown(q) + kept(q) + (1 - s) held           grown: all loads, or those of chosen items
+    load(q, s)  = sum over items (base + s share) load_i(q)  +  constant + s growing
     target(s)   = (1 - s) gamma(q0) + s c(t), or c(t)
-
-``held`` [n] is what would keep the start in balance: B' sigma there. So s = 0 is a balance and s = 1 the wanted state, whether the start is
-free of stress (then all loads just grow in proportion), prestressed, or not even closed at its joints.
 """
 
 from __future__ import annotations
@@ -17,7 +14,7 @@ import numpy as np
 from .affine import Array
 from .model import Model, build
 from .scatter import Scatter
-from .system import Inputs, System
+from .system import System
 
 
 class _Inputs(NamedTuple):
@@ -26,24 +23,29 @@ class _Inputs(NamedTuple):
     loads: list[Array]
 
 
-def _scaled(inputs: Inputs, shares: list[Array], s: float) -> Any:
-    """Inputs with the chosen items' values times s, the others as they are."""
-    factors = (1.0 + (s - 1.0) * share for share in shares)
-    return _Inputs([values * factor.reshape(-1, *[1] * (values.ndim - 1)) for values, factor in zip(inputs.loads, factors)])
+class Shares(NamedTuple):
+    """How much of each item's load acts, base + s share: for each kernel one number for each item."""
+
+    base: list[Array]
+    share: list[Array]
+
+    def at(self, inputs: Any, s: float) -> Any:
+        factors = (base + s * share for base, share in zip(self.base, self.share))
+        return _Inputs([values * factor.reshape(-1, *[1] * (values.ndim - 1)) for values, factor in zip(inputs.loads, factors)])
 
 
-def _shares(system: System, names: Iterable[str] | None) -> list[Array]:
-    """For each kernel of loads: 1 for the items that grow, 0 for those that are kept; None: all grow."""
-    return [np.array([float(names is None or signal.item in names) for signal in kernel.signals]) for kernel in system.loads]
+def _chosen(system: System, names: Iterable[str]) -> list[Array]:
+    """For each kernel of loads: 1 for the items of these names, 0 for others."""
+    wanted = set(names)
+    return [np.array([float(signal.item in wanted) for signal in kernel.signals]) for kernel in system.loads]
 
 
 class Loading:
-    """The path of a system at time t; see the module."""
+    """The path of a system at time t; see the module. Its drives go to where they are at t from where they are at ``start``, if given."""
 
-    def __init__(self, system: System, t: float, shares: list[Array], growing: Array, held: Array, start: Array | None):
-        self.system, self._shares, self._growing, self._held = system, shares, growing, held
+    def __init__(self, system: System, t: float, shares: Shares, constant: Array, growing: Array, start: Array | None = None):
+        self.system, self._shares, self._constant, self._growing = system, shares, constant, growing
         self._inputs = system.inputs(t)
-        self._kept = _scaled(self._inputs, shares, 0.0)
         goal = self._inputs.targets.value
         self._goal = goal if start is None else system.joints.at(start).value
         self.target_rate: Array = goal - self._goal
@@ -51,28 +53,46 @@ class Loading:
         self._still = np.zeros(system.n)
 
     @classmethod
-    def whole(cls, system: System, t: float, q: Array, stress: Array) -> Loading:
-        """All loads and drives, from a start [n] with its stresses."""
+    def whole(cls, system: System, t: float, q: Array, stress: Array, without: Iterable[str] = (), dead: Array | float = 0.0) -> Loading:
+        """All loads grow together, but for some items, whose constant parts are ``dead`` in sum.
+
+        s = 0 is a balance at q [n], whatever the stresses [n_stresses] and gaps of joints there: a force holds it that fades as the loads
+        grow. Where the start is free of stress, that is nothing.
+        """
         held = system.strains(q).pull(stress) if system.n_stresses else np.zeros(system.n)
-        return cls(system, t, _shares(system, None), system.constant_force, held, q)
+        shares = Shares([np.zeros(len(kernel.signals)) for kernel in system.loads], [1.0 - chosen for chosen in _chosen(system, without)])
+        return cls(system, t, shares, held, system.constant_force - dead - held, q)
 
     @classmethod
-    def of(cls, system: System, t: float, names: Iterable[str], growing: Array) -> Loading:
-        """The loads of some items grow, their constant parts being ``growing`` [n] in sum; s = 1: as they are described."""
-        return cls(system, t, _shares(system, set(names)), growing, np.zeros(system.n), None)
+    def of(cls, system: System, t: float, names: Iterable[str], dead: Array) -> Loading:
+        """The loads of some items grow, their constant parts being ``dead`` [n] in sum; the others act in full."""
+        chosen = _chosen(system, names)
+        return cls(system, t, Shares([1.0 - part for part in chosen], chosen), system.constant_force - dead, dead)
 
     def load(self, q: Array, s: float) -> Array:
-        return self.system.load(q, _scaled(self._inputs, self._shares, s)) + (s - 1.0) * (self._growing - self._held)
+        """[n]."""
+        return self.system.load(q, self._shares.at(self._inputs, s)) - self.system.constant_force + self._constant + s * self._growing
 
     def rate(self, q: Array) -> Array:
         """d load/ds [n]."""
-        return self.system.load(q, self._inputs) - self.system.load(q, self._kept) + (self._growing - self._held)
+        only = Shares([0.0 * share for share in self._shares.share], self._shares.share)
+        return self.system.load(q, only.at(self._inputs, 1.0)) - self.system.constant_force + self._growing
 
     def target(self, s: float) -> Array:
+        """c [m], or what broadcasts to it."""
         return self._goal + s * self.target_rate
 
     def stiffness(self, q: Array, s: float, stress: Array, multipliers: Array) -> Array:
-        return self.system.stiffness(q, self._still, _scaled(self._inputs, self._shares, s), stress, multipliers)
+        """Values of K on the system's pattern."""
+        return self.system.stiffness(q, self._still, self._shares.at(self._inputs, s), stress, multipliers)
+
+
+def dead_part(system: System, scene: Any, items: Iterable[Any]) -> Array:
+    """The constant forces [n] of some items."""
+    model = Model(scene.layout, np.asarray(scene.gravity), system.length)
+    for item in items:
+        item.assemble(model)
+    return model.dead_forces
 
 
 def alone(system: System, scene: Any, item: Any, q: Array) -> Array:
