@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
     from .joints import Ball, Clamp, Distance, Motor, Pin, PointOnLine, Prescribed, Slider
+    from .linearisation import Linearization, linearize
     from .marker import Marker
     from .precision import WorkPrecision, work_precision
     from .result import Result
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from .state import State
     from .statics import equilibrium
     from .target import Motion
+    from .vibration import Modes, modes
 
 _HOMES = {
     "elements": ("AncfCable", "Force", "Particle", "RigidBody", "Spring", "TorsionSpring", "Torque"),
@@ -57,6 +59,8 @@ _HOMES = {
     "state": ("State",),
     "precision": ("WorkPrecision", "work_precision"),
     "target": ("Motion",),
+    "linearisation": ("Linearization", "linearize"),
+    "vibration": ("Modes", "modes"),
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names}
 
@@ -75,7 +79,9 @@ __all__ = [
     "Force",
     "Gauss",
     "GeneralizedAlpha",
+    "Linearization",
     "Marker",
+    "Modes",
     "Motion",
     "Motor",
     "Particle",
@@ -99,7 +105,9 @@ __all__ = [
     "assemble",
     "continuation",
     "equilibrium",
+    "linearize",
     "load",
+    "modes",
     "piecewise",
     "simulate",
     "work_precision",

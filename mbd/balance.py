@@ -24,7 +24,7 @@ class Equilibrium:
 
     q            [n] coordinates, in order of ``scene.coordinates()``;  multipliers [m];  t the time [s] of its loads and drives
     factor       of the loads that a continuation scales; 1 otherwise
-    unstable     how many independent motions lower the energy: 0 where the equilibrium is stable
+    unstable     how many independent motions lower the energy, or grow where forces follow: 0 where it is stable
     neutral      how many motions change nothing: the position is not unique along them
     stats        iterations, factorizations, restarts, and "falls": how often the path broke off and the scene fell into the next balance
     """

@@ -1,7 +1,7 @@
 """Loads and targets of drives that depend on a factor s, for statics: what a solver calls a path.
 
-    load(q, s)  = sum over items (base + s share) load_i(q)  +  constant + s growing
-    target(s)   = (1 - s) gamma(q0) + s c(t), or c(t)
+load(q, s)  = sum over items (base + s share) load_i(q)  +  constant + s growing
+target(s)   = (1 - s) gamma(q0) + s c(t), or c(t)
 """
 
 from __future__ import annotations

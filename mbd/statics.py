@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .about import About
 from .affine import Array
 from .assembly import consistent, prepare
 from .balance import Equilibrium
@@ -14,6 +16,7 @@ from .errors import SceneError, SceneWarning, SimulationError
 from .loading import Loading
 from .state import State
 from .system import System
+from .vibration import modes
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -75,7 +78,8 @@ def _solve(scene: Scene, system: System, q: Array, t: float, load_steps: int) ->
         text = f"the equilibrium is not unique: {where} can move without resistance; hold it, or give it stiffness"
         warnings.warn(text, SceneWarning, stacklevel=3)
     work = {"iterations": out.iterations, "factorizations": linear.factorizations, "restarts": out.restarts, "falls": falls}
-    return Equilibrium(scene, system, out.x.q, out.x.multipliers, t, 1.0, unstable, neutral, work | {"redundant": redundant})
+    found = Equilibrium(scene, system, out.x.q, out.x.multipliers, t, 1.0, unstable, neutral, work | {"redundant": redundant})
+    return found if About(scene, found).conservative else replace(found, unstable=modes(scene, about=found).unstable)
 
 
 def _parts(system: System, linear: Any, path: Loading) -> int:

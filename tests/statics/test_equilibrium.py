@@ -282,3 +282,11 @@ def test_large_systems_count_the_same() -> None:
         full[rows, cols] = values
         assert np.sum(np.linalg.eigvalsh(full) < 0.0) == dense
         assert dense - system.m == {0.0: 0, -3.0: 1, -30.0: 2, -80.0: 3}[load]
+
+
+def test_follower_forces_are_judged_by_their_motion() -> None:
+    """Beck's column is stable to 20.05 EI / L^2, although its energy alone would say otherwise."""
+    for load, unstable in ((15.0, 0), (25.0, 1)):
+        scene, beam, _ = cantilever(8)
+        scene.add(mbd.Force(beam.end, (-load * EI, 0.0), follower=True))
+        assert mbd.equilibrium(scene).unstable == unstable
