@@ -19,6 +19,9 @@ from .system import System
 if TYPE_CHECKING:
     from .scene import Scene
 
+RIGID = 1e-15
+"""Share of the largest entry of the scaled K below which energies of strains are zero: they are exact enough for that."""
+
 BALANCED = 1e-5
 """Forces left over below this share of the largest load or elastic force count as none; in scaled coordinates."""
 
@@ -75,6 +78,11 @@ class About:
     def tangent(self) -> Any:
         """K, D and G in the buffers of ``linear``."""
         return self.linear.tangent(self.system.joints.at(self.q).gradient, self.stiffness, self.damping)
+
+    @cached_property
+    def rounding(self) -> float:
+        """What counts as zero among ``quotients`` of shapes with x' M x = 1, and as omega^2."""
+        return RIGID * (float(np.max(np.abs(self.tangent.stiffness), initial=0.0)) or 1.0)
 
     @cached_property
     def conservative(self) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 
 from .about import About
 from .affine import Array
-from .assembly import consistent, prepare
+from .assembly import Assembly, announce, consistent, prepare
 from .balance import Equilibrium
 from .errors import SceneError, SceneWarning, SimulationError
 from .loading import Loading
@@ -34,7 +34,8 @@ def equilibrium(scene: Scene, *, load_steps: int = 1, start: State | None = None
     t           time [s] of loads and drives; None: that of the start
 
     Where no path of balance leads there (a pendulum released sideways, an arch beyond its limit load), the scene is let fall or snap into
-    the next stable equilibrium (``stats["falls"]`` counts). An equilibrium that is not unique is announced by a SceneWarning.
+    the next stable equilibrium (``stats["falls"]`` counts). A snap under load, and an equilibrium that is not unique, are announced by a
+    SceneWarning.
     Raises SceneError for a scene that cannot be built or assembled, SimulationError, naming what gives way, where there is no equilibrium.
     """
     system = scene.build()
@@ -65,36 +66,52 @@ def _solve(scene: Scene, system: System, q: Array, t: float, load_steps: int) ->
     path.longest = 1.0 / max(load_steps, _parts(system, linear, path))
     problem = Problem.of(system, linear, path)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # a diverging iteration is detected
-        out, falls = balance(problem, Point(0.0, q, stress, np.zeros(system.m)))
+        out, breaks = balance(problem, Point(0.0, q, stress, np.zeros(system.m)))
     gap = np.abs(system.joints.at(out.x.q).value - path.target(1.0)) * linear.reach
     if not out.failure and np.max(gap, initial=0.0) > CLOSED * system.length:
         out.failure, out.worst = "the joints give way under the loads", -1
     if out.failure:
         consistent(system, State(q, np.zeros_like(q), t))  # joints that cannot close at all say so by name
         raise _failure(system, out, redundant, t)
+    announce(Assembly(State(out.x.q, np.zeros_like(q), t), (), redundant, linear))
+    work = {"iterations": out.iterations, "factorizations": linear.factorizations, "restarts": out.restarts}
+    stats = work | {"falls": len(breaks), "redundant": redundant}
+    if breaks and breaks[0] > 0.0:
+        text = f"the path of balance breaks off near {100.0 * breaks[0]:.2g} % of the loads: this is where the scene then snaps to"
+        warnings.warn(text, SceneWarning, stacklevel=3)
+    return _judged(problem, out, Equilibrium(scene, system, out.x.q, out.x.multipliers, t, 1.0, 0, 0, stats))
+
+
+def _judged(problem: Any, out: Any, found: Equilibrium) -> Equilibrium:
+    """The equilibrium with its stability."""
+    at = About(found.scene, found)
     unstable, neutral = problem.kkt.signs(problem.tangent(out.x))
     if neutral:
-        where = ", ".join(map(repr, _loose(problem, out)))
-        text = f"the equilibrium is not unique: {where} can move without resistance; hold it, or give it stiffness"
-        warnings.warn(text, SceneWarning, stacklevel=3)
-    work = {"iterations": out.iterations, "factorizations": linear.factorizations, "restarts": out.restarts, "falls": falls}
-    found = Equilibrium(scene, system, out.x.q, out.x.multipliers, t, 1.0, unstable, neutral, work | {"redundant": redundant})
-    return found if About(scene, found).conservative else replace(found, unstable=modes(scene, about=found).unstable)
+        neutral = _truly(at, problem, out, neutral)
+    if not at.conservative:
+        unstable = modes(found.scene, about=found).unstable
+    return replace(found, unstable=unstable, neutral=neutral)
+
+
+def _truly(at: About, problem: Any, out: Any, neutral: int) -> int:
+    """How many motions are neutral, announced; none where the softest is only too soft for the matrix's rounding, but strains something."""
+    from .solvers.softest import softest
+
+    motion = softest(problem, out.x)[1]
+    if at.quotients(motion[None])[0] > at.rounding:
+        return 0
+    size = np.abs(motion) * at.system.levers
+    names = dict.fromkeys(at.system.owners[k][0] for k in np.flatnonzero(size > 0.1 * size.max()))
+    where = ", ".join(map(repr, names))
+    text = f"the equilibrium is not unique: {where} can move without resistance; hold it, or give it stiffness"
+    warnings.warn(text, SceneWarning, stacklevel=5)
+    return neutral
 
 
 def _parts(system: System, linear: Any, path: Loading) -> int:
     """Of half a radian, or half the scene's length, each at most: how far drives are from where they shall be."""
     gap = np.broadcast_to(path.target_rate, system.m)
     return int(np.ceil(np.max(np.abs(gap) * linear.reach, initial=0.0) / (0.5 * system.length)))
-
-
-def _loose(problem: Any, out: Any) -> list[str]:
-    """The items that can move without resistance."""
-    from .solvers.softest import softest
-
-    motion = np.abs(softest(problem, out.x)[1]) * problem.system.levers
-    names = [problem.system.owners[k][0] for k in np.flatnonzero(motion > 0.1 * motion.max())]
-    return list(dict.fromkeys(names))
 
 
 def _failure(system: System, out: Any, redundant: tuple[str, ...], t: float) -> SimulationError:

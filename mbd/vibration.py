@@ -21,11 +21,8 @@ from .system import System
 if TYPE_CHECKING:
     from .scene import Scene
 
-RIGID = 1e-15
-"""omega^2 below this share of the largest entry of the scaled stiffness is zero; energies of strains are exact enough for that."""
-
-RIGID_GENERAL = 1e-12
-"""The same where |s|^2 comes from a general eigenvalue problem."""
+GENERAL = 1e3
+"""How much more than an energy's rounding counts as zero where |s|^2 comes from a general eigenvalue problem."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,10 +87,6 @@ def modes(scene: Scene, n: int = 6, about: State | Equilibrium | None = None) ->
     return (_undamped if undamped else _general)(at, int(n))
 
 
-def _size(at: About) -> float:
-    return float(np.max(np.abs(at.tangent.stiffness), initial=0.0)) or 1.0
-
-
 def _undamped(at: About, n: int) -> Modes:
     from .solvers.eigen import UNDAMPED_DENSE, undamped_dense, undamped_sparse
     from .solvers.reduced import reduced
@@ -105,7 +98,7 @@ def _undamped(at: About, n: int) -> Modes:
         _, shapes = undamped_sparse(system, at.linear, at.tangent, n)
     shapes = shapes / np.sqrt(np.sum(shapes * system.mass(shapes), axis=-1, keepdims=True))
     squares = at.quotients(shapes)
-    squares[np.abs(squares) <= RIGID * _size(at)] = 0.0
+    squares[np.abs(squares) <= at.rounding] = 0.0
     order = np.argsort(squares, kind="stable")
     squares, shapes = squares[order], shapes[order]
     s = np.where(squares < 0.0, np.sqrt(np.abs(squares)), 1j * np.sqrt(np.abs(squares)))
@@ -121,7 +114,7 @@ def _general(at: About, n: int) -> Modes:
         s, shapes = general_dense(reduced(system, at.linear, at.q, at.stiffness, at.damping))
     else:
         s, shapes = general_sparse(system, at.linear, at.tangent, _damping(at), 2 * n + 2)
-    zero = np.abs(s) ** 2 <= RIGID_GENERAL * _size(at)
+    zero = np.abs(s) ** 2 <= GENERAL * at.rounding
     s = np.where(zero, 0.0, s)
     rigid = np.flatnonzero(zero)[::2]  # each twice: a position and a velocity
     moving = np.flatnonzero(~zero & (s.imag >= 0.0))

@@ -24,19 +24,20 @@ NOTHING = 1e-8
 MOST = 1e12
 
 
-def balance(problem: Problem, x: Point, end: float = 1.0) -> tuple[Outcome, int]:
-    """Balance at s = end along the path; where it breaks off, from the next stable equilibrium there. Counts these falls."""
-    out, falls = advance(problem, x, end), 0
-    while out.failure and falls < FALLS:
-        further = min(BEYOND * 4.0**falls, max(BEYOND, problem.path.longest))
-        falls += 1
+def balance(problem: Problem, x: Point, end: float = 1.0) -> tuple[Outcome, list[float]]:
+    """Balance at s = end along the path; where it breaks off, from the next stable equilibrium. Also the factors where it broke off."""
+    out = advance(problem, x, end)
+    breaks: list[float] = []
+    while out.failure and len(breaks) < FALLS:
+        further = min(BEYOND * 4.0 ** len(breaks), max(BEYOND, problem.path.longest))
+        breaks.append(out.x.s)
         fallen = out.then(relax(problem, out.x._replace(s=min(out.x.s + further, end))))
         if fallen.failure:
             fallen.failure = f"{out.failure}; released there, {fallen.failure}"
         if fallen.failure or fallen.x.s == end:
-            return fallen, falls
+            return fallen, breaks
         out = fallen.then(advance(problem, fallen.x, end))
-    return out, falls
+    return out, breaks
 
 
 def relax(problem: Problem, x: Point, most: int = 400) -> Outcome:

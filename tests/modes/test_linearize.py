@@ -10,7 +10,6 @@ from scipy.linalg import expm
 
 import mbd
 
-
 PUSH = 1e-6
 
 
