@@ -54,8 +54,17 @@ class Equilibrium:
 
     @property
     def state(self) -> State:
-        """The state at rest: ``simulate(..., start=equilibrium.state)`` starts from it, prestressed."""
-        return State(self.q, np.zeros_like(self.q), self.t)
+        """The state at rest: ``simulate(..., start=rest.state)``, or ``start=rest``, starts from it, prestressed."""
+        return State(self.q, self.v, self.t)
+
+    @property
+    def v(self) -> Array:
+        """[n]: nothing moves."""
+        return np.zeros_like(self.q)
+
+    def check(self, system: System) -> None:
+        """Raises SceneError unless it fits the system."""
+        self.state.check(system)
 
     def position(self, marker: Marker) -> Array:
         """[d] [m]."""

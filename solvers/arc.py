@@ -27,8 +27,11 @@ ITERATIONS = 12
 EASY = 4
 """Iterations with which the length of a step stays."""
 
-STRAIGHT = 0.9
+STRAIGHT = 0.95
 """Least cosine between the tangents at both ends of a step."""
+
+ASIDE = 0.3
+"""The longest correction, as a share of a step: further lies another path."""
 
 SHORTEST = 1e-7
 HALVINGS = 6
@@ -66,6 +69,11 @@ class Arc:
     def dot(self, a: tuple[Array, float], b: tuple[Array, float]) -> float:
         return float(np.sum(self._weight * a[0] * b[0]) + a[1] * b[1])
 
+    def apart(self, a: Station, b: Station) -> float:
+        """The distance between two stations."""
+        way = (b.x.q - a.x.q, b.x.s - a.x.s)
+        return float(np.sqrt(self.dot(way, way)))
+
     def unit(self, a: tuple[Array, float], like: tuple[Array, float]) -> tuple[Array, float]:
         """The direction of length 1, turned to that of another."""
         size = np.copysign(np.sqrt(self.dot(a, a)), self.dot(a, like))
@@ -83,7 +91,7 @@ class Arc:
         problem, x, (tq, ts) = self.problem, start.x, start.tangent
         bend = problem.system.strains(x.q).push(tq) * problem.system.modulus if problem.system.n_stresses else x.stress
         x = Point(x.s + length * ts, x.q + length * tq, x.stress + length * bend, x.multipliers + length * start.rate)
-        before = np.inf
+        predicted, before = x, np.inf
         for k in range(1, ITERATIONS + 1):
             correction, along = Linearised(problem, x).changes()
             gap = self.dot(start.tangent, (x.q - start.x.q, x.s - start.x.s)) - length + self.dot(start.tangent, (correction.q, 0.0))
@@ -93,7 +101,8 @@ class Arc:
             if not np.isfinite(size) or size > 1e3:
                 return None
             if size < CONVERGED or (size < ROUNDING and size > 0.25 * before):
-                return self.station(problem.settled(x), start.tangent), k
+                aside = (x.q - predicted.q, x.s - predicted.s)
+                return None if self.dot(aside, aside) > (ASIDE * length) ** 2 else (self.station(problem.settled(x), start.tangent), k)
             before = size
         return None
 
@@ -119,16 +128,13 @@ def trace(
     while len(stations) <= most:
         here = stations[-1]
         try:
-            attempt = arc.step(here, length)
+            there, iterations = _reach(arc, here, length)
+            inside = sorted(_special(arc, here, there, length, functions), key=lambda place: place[0])
         except Singular:
-            attempt = None
-        if attempt is None or arc.dot(here.tangent, attempt[0].tangent) < STRAIGHT:
             length *= 0.5
             if length < SHORTEST * step:
                 return stations, found, "steps became too short"
             continue
-        there, iterations = attempt
-        inside = sorted(_special(arc, here, there, length, functions), key=lambda place: place[0])
         for _, item in inside:
             found.append(item)
             if item.function >= 0 and functions[item.function][2]:
@@ -149,7 +155,7 @@ def _special(
         place, station = _zero(arc, here, lambda at: at.tangent[1], 0.0, here.tangent[1], length, there.tangent[1])
         found.append((place, Found("limit", station, station.tangent[0])))
         beside = [max(place - 1e-3 * length, 0.0), min(place + 1e-3 * length, length)]
-        middle = [_reach(arc, here, x) for x in beside]
+        middle = [_reach(arc, here, x)[0] for x in beside]
         spans = [(0.0, here, beside[0], middle[0]), (beside[1], middle[1], length, there)]
     for a, left, b, right in spans:
         if left.negatives != right.negatives:
@@ -162,12 +168,12 @@ def _special(
     return found
 
 
-def _reach(arc: Arc, here: Station, length: float) -> Station:
-    """The station so far along a step that is known to succeed."""
+def _reach(arc: Arc, here: Station, length: float) -> tuple[Station, int]:
+    """The station so far along, and the iterations. Raises Singular where none is found, or one on another path."""
     attempt = arc.step(here, length)
-    if attempt is None:
-        raise Singular("no balance within a step")
-    return attempt[0]
+    if attempt is None or arc.dot(here.tangent, attempt[0].tangent) < STRAIGHT:
+        raise Singular("the path bends too far within a step")
+    return attempt
 
 
 def _zero(arc: Arc, here: Station, function: Callable[[Station], float], a: float, fa: float, b: float, fb: float) -> tuple[float, Station]:
@@ -175,7 +181,7 @@ def _zero(arc: Arc, here: Station, function: Callable[[Station], float], a: floa
     station, side, x, largest = here, 0, b, max(abs(fa), abs(fb))
     for _ in range(60):
         x = b - fb * (b - a) / (fb - fa)
-        station = _reach(arc, here, x)
+        station, _ = _reach(arc, here, x)
         f = function(station)
         if f * fb > 0.0:
             b, fb, fa, side = x, f, fa * (0.5 if side == -1 else 1.0), -1
@@ -189,11 +195,13 @@ def _zero(arc: Arc, here: Station, function: Callable[[Station], float], a: floa
 def _bifurcation(arc: Arc, here: Station, a: float, left: Station, b: float, right: Station) -> tuple[float, Found]:
     """Halving by counting, then the zero of the softest motion's stiffness, with that motion."""
     for _ in range(HALVINGS):
-        middle = _reach(arc, here, 0.5 * (a + b))
+        middle, _ = _reach(arc, here, 0.5 * (a + b))
         if middle.negatives == left.negatives:
             a, left = 0.5 * (a + b), middle
         else:
             b, right = 0.5 * (a + b), middle
+    if arc.apart(left, right) > 2.0 * (b - a):
+        raise Singular("the path jumped to another one")
     fa, fb = (softest(arc.problem, at.x)[0] for at in (left, right))
     place, station = 0.5 * (a + b), left
     if fa * fb < 0.0:

@@ -97,6 +97,18 @@ def test_pitchfork_and_its_branches(reverse: bool) -> None:
     assert branch.stable.all() and (aside * aside[0] > 0.0).all() and (opposite * aside[0] < 0.0).all()
 
 
+def test_an_imperfect_column_keeps_to_its_own_path() -> None:
+    """Beside the bifurcation another path passes close by; long steps would jump over to it, where the column is unstable."""
+    scene, beam, load = column()
+    scene.add(mbd.Force(beam.end, (0.003, 0.0)))
+    path = mbd.continuation(scene, load, until=1.2, step=0.1, longest=0.3)
+    aside = path.position(beam.end)[:, 0]
+    assert path.stable.all() and not path.limits and not path.bifurcations and not path.ended
+    assert (np.diff(aside) > 0.0).all() and aside[-1] > 0.5
+    amplified = aside[0] / (1.0 - path.factor[path.factor < 0.8])  # Timoshenko's rule for small deflections
+    assert aside[path.factor < 0.8] == pytest.approx(amplified, rel=0.03)
+
+
 def truss() -> tuple[mbd.Scene, Any, Any]:
     """Von Mises' truss: an apex 0.3 m above two supports 2 m apart, on springs, under 10 N: scene, apex, load."""
     scene = mbd.Scene(gravity=(0, 0))
@@ -137,6 +149,7 @@ def test_other_loads_act_in_full() -> None:
     scene.add(mbd.Force(bob.at(), (0.0, -5.0), name="kept"))
     scene.add(mbd.Force(bob.at(), lambda t: (0.0, -30.0 * t), name="grown"))
     path = mbd.continuation(scene, "grown", t=2.0)
+    assert mbd.equilibrium(scene, t=2.0).q == pytest.approx(path.q[-1])
     assert path.position(bob.at())[[0, -1], 1] == pytest.approx([-1.0 - (19.62 + 5.0) / 100.0, -1.0 - (19.62 + 65.0) / 100.0], abs=1e-12)
 
 

@@ -124,6 +124,7 @@ def test_an_equilibrium_stays_at_rest_in_a_simulation() -> None:
     assert sum(found.reaction(end)[1] for end in ends) == pytest.approx(9.81 * 0.1, rel=1e-10)
     result = mbd.simulate(scene, 0.3, start=found.state)
     assert np.abs(result.q - found.q).max() < 1e-9
+    assert np.array_equal(mbd.simulate(scene, 0.01, start=found).q[0], found.q)
     again = mbd.equilibrium(scene, start=found.state)
     assert again.stats["iterations"] <= 3 and again.q == pytest.approx(found.q, abs=1e-12)
 
