@@ -22,13 +22,14 @@ if TYPE_CHECKING:
     from .archive import load
     from .assembly import assemble
     from .balance import Equilibrium
-    from .branches import Bifurcation, Branch, continuation
+    from .branches import continuation
     from .elements import AncfCable, Force, Particle, RigidBody, Spring, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
     from .joints import Ball, Clamp, Distance, Motor, Pin, PointOnLine, Prescribed, Slider
     from .linearisation import Linearization, linearize
     from .marker import Marker
+    from .paths import Bifurcation, Branch
     from .precision import WorkPrecision, work_precision
     from .result import Result
     from .run import simulate
@@ -54,7 +55,8 @@ _HOMES = {
     "assembly": ("assemble",),
     "run": ("simulate",),
     "balance": ("Equilibrium",),
-    "branches": ("Bifurcation", "Branch", "continuation"),
+    "branches": ("continuation",),
+    "paths": ("Bifurcation", "Branch"),
     "statics": ("equilibrium",),
     "state": ("State",),
     "precision": ("WorkPrecision", "work_precision"),

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,72 +13,12 @@ from .balance import Equilibrium
 from .errors import SceneError, SimulationError
 from .event import Event, named
 from .loading import Loading, dead_part
-from .marker import Marker
-from .reaction import reaction
+from .paths import Bifurcation, Branch, on_path
 from .state import State
 from .system import System
 
 if TYPE_CHECKING:
     from .scene import Scene
-
-
-@dataclass(frozen=True, eq=False)
-class Bifurcation:
-    """A point where another path crosses: the equilibrium there and ``motion`` [n], in which direction the other path leaves.
-
-    ``continuation(..., branch=bifurcation)`` follows that one.
-    """
-
-    at: Equilibrium
-    motion: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Branch:
-    """A path of equilibrium, in the order in which it was followed.
-
-    factor         [k] times the load at the points of the path;  q [k, n], multipliers [k, m], unstable [k]: as of ``Equilibrium``
-    limits         equilibria where the factor turns: the path goes on with less load, and a structure under that load snaps
-    bifurcations   points where another path crosses
-    events         equilibria where the functions passed through zero: ``path.events[event]`` or by name
-    ended          why the path ended before it was asked to, or ""
-    """
-
-    scene: Scene
-    system: System
-    t: float
-    factor: Array
-    q: Array
-    multipliers: Array
-    unstable: Array
-    limits: list[Equilibrium]
-    bifurcations: list[Bifurcation]
-    events: Mapping[Any, list[Equilibrium]]
-    ended: str
-
-    def __repr__(self) -> str:
-        return f"<path: {len(self.factor)} points, {len(self.limits)} limit points, {len(self.bifurcations)} bifurcations>"
-
-    def __len__(self) -> int:
-        return len(self.factor)
-
-    def __getitem__(self, k: int) -> Equilibrium:
-        """The k-th point."""
-        return _equilibrium(self.scene, self.system, self.t, self.factor[k], self.q[k], self.multipliers[k], self.unstable[k])
-
-    @cached_property
-    def stable(self) -> Array:
-        """[k]: whether no motion lowers the energy."""
-        return self.unstable == 0
-
-    def position(self, marker: Marker) -> Array:
-        """[k, d] [m]."""
-        return marker.point.value(self.q)
-
-    def reaction(self, joint: Any) -> Array:
-        """[k, 3] or [k, 6], as of ``Equilibrium.reaction``."""
-        rows = [i for i, (item, _) in enumerate(self.system.joints.labels) if item == joint.name]
-        return reaction(joint, joint.pose(self.system.q0), self.q, self.multipliers[:, rows])
 
 
 def continuation(
@@ -148,10 +86,6 @@ def _check(until: Any, step: Any, longest: Any, most: Any) -> None:
         raise SceneError(found)
 
 
-def _equilibrium(scene: Scene, system: System, t: float, factor: float, q: Array, multipliers: Array, unstable: int) -> Equilibrium:
-    return Equilibrium(scene, system, q, multipliers, t, float(factor), int(unstable), 0, {})
-
-
 class _Follow:
     """One path: the problem, its start, and results in the user's words."""
 
@@ -217,7 +151,7 @@ class _Follow:
         return functions if until is None else [*functions, (lambda x: x.s - until, 0, True)]
 
     def _at(self, x: Any, unstable: int) -> Equilibrium:
-        return _equilibrium(self.scene, self.system, self.t, x.s, x.q, x.multipliers, unstable)
+        return on_path(self.scene, self.system, self.t, x.s, x.q, x.multipliers, unstable)
 
     def _branch(self, stations: list[Any], found: list[Any], ended: str, events: dict[str, Event]) -> Branch:
         points = [station.x for station in stations]

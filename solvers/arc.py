@@ -6,14 +6,14 @@ the factor s is one more unknown, so that loads may fall, by two solutions with 
     x = predicted + correction + ds along,     <tangent, x - predicted> = 0.
 
 Lengths are <a, b> = mean of (lever a_q / length)(lever b_q / length) + a_s b_s over the coordinates that have a lever. Where ds/d(arc)
-changes sign is a limit point; where the number of unstable motions changes otherwise, a bifurcation. Both are found to rounding: by the
-sign of ds/d(arc) and, after some halving by counting, of the softest motion's stiffness.
+changes sign is a limit point; where the number of unstable motions changes otherwise, a bifurcation. Both are located: by the zero of
+ds/d(arc), and between counts by that of the softest motion's stiffness.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,8 +33,14 @@ STRAIGHT = 0.95
 ASIDE = 0.3
 """The longest correction, as a share of a step: further lies another path."""
 
+SHORTER = 0.45
+"""No half: from round numbers halves would come upon a singular point again and again."""
+
 SHORTEST = 1e-7
 HALVINGS = 6
+
+BRACKETS, NARROW = 2, 0.01
+"""How often a bracket about a bifurcation is narrowed, and to which share to either side."""
 
 EXACT = 1e-10
 """A function counts as zero below this share of its larger value at both ends: beyond, singular matrices only add noise."""
@@ -131,7 +137,7 @@ def trace(
             there, iterations = _reach(arc, here, length)
             inside = sorted(_special(arc, here, there, length, functions), key=lambda place: place[0])
         except Singular:
-            length *= 0.5
+            length *= SHORTER
             if length < SHORTEST * step:
                 return stations, found, "steps became too short"
             continue
@@ -193,17 +199,30 @@ def _zero(arc: Arc, here: Station, function: Callable[[Station], float], a: floa
 
 
 def _bifurcation(arc: Arc, here: Station, a: float, left: Station, b: float, right: Station) -> tuple[float, Found]:
-    """Halving by counting, then the zero of the softest motion's stiffness, with that motion."""
+    """Halving by counting; then narrow brackets about the zero of the softest motion's stiffness, never at it, where K is singular."""
     for _ in range(HALVINGS):
-        middle, _ = _reach(arc, here, 0.5 * (a + b))
+        x = a + SHORTER * (b - a)
+        middle, _ = _reach(arc, here, x)
         if middle.negatives == left.negatives:
-            a, left = 0.5 * (a + b), middle
+            a, left = x, middle
         else:
-            b, right = 0.5 * (a + b), middle
+            b, right = x, middle
     if arc.apart(left, right) > 2.0 * (b - a):
         raise Singular("the path jumped to another one")
-    fa, fb = (softest(arc.problem, at.x)[0] for at in (left, right))
-    place, station = 0.5 * (a + b), left
-    if fa * fb < 0.0:
-        place, station = _zero(arc, here, lambda at: softest(arc.problem, at.x)[0], a, fa, b, fb)
-    return place, Found("bifurcation", station, softest(arc.problem, station.x)[1])
+    for _ in range(BRACKETS):
+        fa, fb = _softness(arc, left), _softness(arc, right)
+        share = fa / (fa - fb) if fa * fb < 0.0 else 0.5
+        x, width = a + share * (b - a), b - a
+        for place in (max(x - NARROW * width, a), min(x + NARROW * width, b)):
+            if a < place < b:
+                middle, _ = _reach(arc, here, place)
+                a, left, b, right = (place, middle, b, right) if middle.negatives == left.negatives else (a, left, place, middle)
+    fa, fb = _softness(arc, left), _softness(arc, right)
+    share = fa / (fa - fb) if fa * fb < 0.0 else 0.5
+    pairs: Any = zip(left.x, right.x)
+    between = Point(*(p + share * (q - p) for p, q in pairs))
+    return a + share * (b - a), Found("bifurcation", left._replace(x=between), softest(arc.problem, left.x)[1])
+
+
+def _softness(arc: Arc, station: Station) -> float:
+    return softest(arc.problem, station.x)[0]

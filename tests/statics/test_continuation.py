@@ -97,6 +97,21 @@ def test_pitchfork_and_its_branches(reverse: bool) -> None:
     assert branch.stable.all() and (aside * aside[0] > 0.0).all() and (opposite * aside[0] < 0.0).all()
 
 
+def test_a_rigid_bar_on_a_torsion_spring() -> None:
+    """The path to the bifurcation has no motion at all, and K is exactly singular at its end: P = k / L there, k angle / L sin(angle) aside."""
+    scene = mbd.Scene(gravity=(0, 0))
+    bar = scene.add(mbd.RigidBody.rod((0, 0), (0, 1), mass=1.0))
+    scene.add(mbd.Pin(bar.at(-0.5, 0), scene.ground.at(0, 0)))
+    scene.add(mbd.TorsionSpring(bar.at(0, 0), scene.ground.at(0, 0), stiffness=10.0))
+    load = scene.add(mbd.Force(bar.at(0.5, 0), (0.0, -10.0)))
+    path = mbd.continuation(scene, load, until=1.5, step=0.1)
+    (found,) = path.bifurcations
+    assert found.at.factor == pytest.approx(1.0, abs=1e-9) and path.unstable[-1] == 1
+    branch = mbd.continuation(scene, load, until=2.0, branch=found)
+    x, y = branch.position(bar.at(0.5, 0)).T
+    assert branch.factor == pytest.approx(np.arctan2(x, y) / x, abs=1e-9) and branch.stable.all()
+
+
 def test_an_imperfect_column_keeps_to_its_own_path() -> None:
     """Beside the bifurcation another path passes close by; long steps would jump over to it, where the column is unstable."""
     scene, beam, load = column()
