@@ -120,7 +120,8 @@ class _Follow:
     def trace(
         self, branch: Bifurcation | None, until: float | None, events: dict[str, Event], step: float, longest: float, most: int, sign: float
     ) -> Branch:
-        from .solvers.arc import Arc, trace
+        from .solvers.arc import Arc
+        from .solvers.following import trace
         from .solvers.formats import Singular
 
         arc, nothing = Arc(self.problem), np.zeros(self.system.n)

@@ -1,49 +1,31 @@
-"""Paths of equilibrium by pseudo arc length, with the points where they turn or branch.
+"""Steps along paths of equilibrium by pseudo arc length.
 
 A point x = (q, s) moves along its tangent, and is corrected at right angles to it (Keller 1977; Riks 1979, Int. J. Solids Struct. 15):
 the factor s is one more unknown, so that loads may fall, by two solutions with one factor,
 
     x = predicted + correction + ds along,     <tangent, x - predicted> = 0.
 
-Lengths are <a, b> = mean of (lever a_q / length)(lever b_q / length) + a_s b_s over the coordinates that have a lever. Where ds/d(arc)
-changes sign is a limit point; where the number of unstable motions changes otherwise, a bifurcation. Both are located: by the zero of
-ds/d(arc), and between counts by that of the softest motion's stiffness.
+Lengths are <a, b> = mean of (lever a_q / length)(lever b_q / length) + a_s b_s over the coordinates that have a lever.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from .formats import Singular
 from .kkt import Kkt
-from .softest import softest
 from .statics import CONVERGED, ROUNDING, Linearised, Point, Problem
 from .system import Array
 
 ITERATIONS = 12
-EASY = 4
-"""Iterations with which the length of a step stays."""
 
 STRAIGHT = 0.95
 """Least cosine between the tangents at both ends of a step."""
 
 ASIDE = 0.3
 """The longest correction, as a share of a step: further lies another path."""
-
-SHORTER = 0.45
-"""No half: from round numbers halves would come upon a singular point again and again."""
-
-SHORTEST = 1e-7
-HALVINGS = 6
-
-BRACKETS, NARROW = 2, 0.01
-"""How often a bracket about a bifurcation is narrowed, and to which share to either side."""
-
-EXACT = 1e-10
-"""A function counts as zero below this share of its larger value at both ends: beyond, singular matrices only add noise."""
 
 
 class Station(NamedTuple):
@@ -53,15 +35,6 @@ class Station(NamedTuple):
     tangent: tuple[Array, float]
     rate: Array
     negatives: int
-
-
-class Found(NamedTuple):
-    """A special point: "limit", "bifurcation" or the number of a function; with the motion [n] that is free there, if any."""
-
-    kind: str
-    station: Station
-    motion: Array | None
-    function: int = -1
 
 
 class Arc:
@@ -121,108 +94,9 @@ class Arc:
                 return attempt[0]
         return None
 
-
-def trace(
-    arc: Arc, start: Station, step: float, longest: float, most: int, functions: list[tuple[Callable[[Point], float], int, bool]]
-) -> tuple[list[Station], list[Found], str]:
-    """Stations from the start on, the special points among them, and why the path ended early, or "".
-
-    functions: (function, direction, whether the path ends there); found where they pass through zero.
-    """
-    stations, length = [start], step
-    found: list[Found] = []
-    while len(stations) <= most:
-        here = stations[-1]
-        try:
-            there, iterations = _reach(arc, here, length)
-            inside = sorted(_special(arc, here, there, length, functions), key=lambda place: place[0])
-        except Singular:
-            length *= SHORTER
-            if length < SHORTEST * step:
-                return stations, found, "steps became too short"
-            continue
-        for _, item in inside:
-            found.append(item)
-            if item.function >= 0 and functions[item.function][2]:
-                return [*stations, item.station], found, ""
-        stations.append(there)
-        length = min(length * float(np.clip(np.sqrt(EASY / iterations), 0.5, 2.0)), longest)
-    return stations, found, "so many points were asked for"
-
-
-def _special(
-    arc: Arc, here: Station, there: Station, length: float, functions: list[tuple[Callable[[Point], float], int, bool]]
-) -> list[tuple[float, Found]]:
-    """What lies between two stations, by its distance from the first."""
-    found: list[tuple[float, Found]] = []
-    limit = here.tangent[1] * there.tangent[1] < 0.0
-    spans = [(0.0, here, length, there)]
-    if limit:
-        place, station = _zero(arc, here, lambda at: at.tangent[1], 0.0, here.tangent[1], length, there.tangent[1])
-        found.append((place, Found("limit", station, station.tangent[0])))
-        beside = [max(place - 1e-3 * length, 0.0), min(place + 1e-3 * length, length)]
-        middle = [_reach(arc, here, x)[0] for x in beside]
-        spans = [(0.0, here, beside[0], middle[0]), (beside[1], middle[1], length, there)]
-    for a, left, b, right in spans:
-        if left.negatives != right.negatives:
-            found.append(_bifurcation(arc, here, a, left, b, right))
-    for k, (function, direction, _) in enumerate(functions):
-        f, g = function(here.x), function(there.x)
-        if (f * g < 0.0 and direction * (g - f) >= 0.0) or (g == 0.0 and f != 0.0):
-            place, station = _zero(arc, here, lambda at: function(at.x), 0.0, f, length, g)  # noqa: B023 (called at once)
-            found.append((place, Found("function", station, None, k)))
-    return found
-
-
-def _reach(arc: Arc, here: Station, length: float) -> tuple[Station, int]:
-    """The station so far along, and the iterations. Raises Singular where none is found, or one on another path."""
-    attempt = arc.step(here, length)
-    if attempt is None or arc.dot(here.tangent, attempt[0].tangent) < STRAIGHT:
-        raise Singular("the path bends too far within a step")
-    return attempt
-
-
-def _zero(arc: Arc, here: Station, function: Callable[[Station], float], a: float, fa: float, b: float, fb: float) -> tuple[float, Station]:
-    """Where a function of the station is zero between a and b: the Illinois method (Dowell and Jarratt 1971)."""
-    station, side, x, largest = here, 0, b, max(abs(fa), abs(fb))
-    for _ in range(60):
-        x = b - fb * (b - a) / (fb - fa)
-        station, _ = _reach(arc, here, x)
-        f = function(station)
-        if f * fb > 0.0:
-            b, fb, fa, side = x, f, fa * (0.5 if side == -1 else 1.0), -1
-        else:
-            a, fa, fb, side = x, f, fb * (0.5 if side == 1 else 1.0), 1
-        if f == 0.0 or abs(b - a) <= 1e-12 * max(abs(a), abs(b)) or abs(f) <= EXACT * largest:
-            break
-    return x, station
-
-
-def _bifurcation(arc: Arc, here: Station, a: float, left: Station, b: float, right: Station) -> tuple[float, Found]:
-    """Halving by counting; then narrow brackets about the zero of the softest motion's stiffness, never at it, where K is singular."""
-    for _ in range(HALVINGS):
-        x = a + SHORTER * (b - a)
-        middle, _ = _reach(arc, here, x)
-        if middle.negatives == left.negatives:
-            a, left = x, middle
-        else:
-            b, right = x, middle
-    if arc.apart(left, right) > 2.0 * (b - a):
-        raise Singular("the path jumped to another one")
-    for _ in range(BRACKETS):
-        fa, fb = _softness(arc, left), _softness(arc, right)
-        share = fa / (fa - fb) if fa * fb < 0.0 else 0.5
-        x, width = a + share * (b - a), b - a
-        for place in (max(x - NARROW * width, a), min(x + NARROW * width, b)):
-            if a < place < b:
-                middle, _ = _reach(arc, here, place)
-                a, left, b, right = (place, middle, b, right) if middle.negatives == left.negatives else (a, left, place, middle)
-    fa, fb = _softness(arc, left), _softness(arc, right)
-    share = fa / (fa - fb) if fa * fb < 0.0 else 0.5
-    pairs: Any = zip(left.x, right.x)
-    between = Point(*(p + share * (q - p) for p, q in pairs))
-    return a + share * (b - a), Found("bifurcation", left._replace(x=between), softest(arc.problem, left.x)[1])
-
-
-def _softness(arc: Arc, station: Station) -> float:
-    return softest(arc.problem, station.x)[0]
+    def reach(self, start: Station, length: float) -> tuple[Station, int]:
+        """As ``step``; raises Singular where none is found, or where the path bends too far, perhaps into another one."""
+        attempt = self.step(start, length)
+        if attempt is None or self.dot(start.tangent, attempt[0].tangent) < STRAIGHT:
+            raise Singular("the path bends too far within a step")
+        return attempt
