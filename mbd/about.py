@@ -18,6 +18,7 @@ from .system import System
 
 if TYPE_CHECKING:
     from .scene import Scene
+    from .solvers.linear import Linear
 
 RIGID = 1e-15
 """Share of the largest entry of the scaled K below which energies of strains are zero: they are exact enough for that."""
@@ -29,11 +30,11 @@ BALANCED = 1e-5
 class About:
     """The linearisation of a scene at rest.
 
-    q [n], stress [n_stresses], multipliers [m], t [s];  linear: the linear algebra there
+    q [n], stress [n_stresses], multipliers [m], t [s];  linear: the linear algebra there, made unless given
     stiffness, damping   values of K and D on the system's patterns; D is None where nothing damps
     """
 
-    def __init__(self, scene: Scene, about: State | Equilibrium | None):
+    def __init__(self, scene: Scene, about: State | Equilibrium | None, linear: Linear | None = None):
         self.scene, self.system = scene, scene.build()
         system = self.system
         if isinstance(about, Equilibrium) and about.system is not system:
@@ -43,8 +44,8 @@ class About:
         self._refuse_motion(state)
         self.t = state.t
         self.q = state.q if isinstance(about, Equilibrium) else consistent(system, State(state.q, np.zeros(system.n), state.t)).state.q
-        self.linear, self.redundant = prepare(system, self.q)
-        self.inputs = system.inputs(self.t)
+        self.linear = linear or prepare(system, self.q)[0]
+        self.inputs = about.inputs if isinstance(about, Equilibrium) else system.inputs(self.t)
         self.stress = system.modulus * system.strains(self.q).value if system.n_stresses else np.zeros(0)
         self.multipliers = about.multipliers if isinstance(about, Equilibrium) else self._released()
         still = np.zeros(system.n)

@@ -26,6 +26,7 @@ class Equilibrium:
     factor       of the loads that a continuation scales; 1 otherwise
     unstable     how many independent motions lower the energy, or grow where forces follow: 0 where it is stable
     neutral      how many motions change nothing: the position is not unique along them
+    inputs       what its loads are given (of a path: times the factor)
     stats        iterations, factorizations, restarts, and "falls": how often the path broke off and the scene fell into the next balance
     """
 
@@ -38,6 +39,7 @@ class Equilibrium:
     unstable: int
     neutral: int
     stats: dict[str, Any]
+    inputs: Any
 
     def __repr__(self) -> str:
         return f"<equilibrium: {self.kind}, in {self.stats.get('iterations', 0)} iterations>"

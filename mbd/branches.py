@@ -98,7 +98,8 @@ class _Follow:
             self.names, self.dead = [signal.item for kernel in system.loads for signal in kernel.signals], system.constant_force
         else:
             self.names, self.dead = [item.name for item in items], dead_part(system, scene, items)
-        self.problem = Problem.of(system, self.linear, Loading.of(system, t, self.names, self.dead))
+        self.loading = Loading.of(system, t, self.names, self.dead)
+        self.problem = Problem.of(system, self.linear, self.loading)
 
     def _stress(self, q: Array) -> Array:
         return self.system.modulus * self.system.strains(q).value if self.system.n_stresses else np.zeros(0)
@@ -152,7 +153,7 @@ class _Follow:
         return functions if until is None else [*functions, (lambda x: x.s - until, 0, True)]
 
     def _at(self, x: Any, unstable: int) -> Equilibrium:
-        return on_path(self.scene, self.system, self.t, x.s, x.q, x.multipliers, unstable)
+        return on_path(self.scene, self.loading, x.s, x.q, x.multipliers, unstable)
 
     def _branch(self, stations: list[Any], found: list[Any], ended: str, events: dict[str, Event]) -> Branch:
         points = [station.x for station in stations]
@@ -161,8 +162,7 @@ class _Follow:
         by_event = {event: times[name] for name, event in events.items()}
         return Branch(
             self.scene,
-            self.system,
-            self.t,
+            self.loading,
             np.array([x.s for x in points]),
             np.array([x.q for x in points]),
             np.array([x.multipliers for x in points]),

@@ -44,7 +44,7 @@ class Loading:
     """The path of a system at time t; see the module. Its drives go to where they are at t from where they are at ``start``, if given."""
 
     def __init__(self, system: System, t: float, shares: Shares, constant: Array, growing: Array, start: Array | None = None):
-        self.system, self._shares, self._constant, self._growing = system, shares, constant, growing
+        self.system, self.t, self._shares, self._constant, self._growing = system, t, shares, constant, growing
         self._inputs = system.inputs(t)
         goal = self._inputs.targets.value
         self._goal = goal if start is None else system.joints.at(start).value
@@ -69,9 +69,13 @@ class Loading:
         chosen = _chosen(system, names)
         return cls(system, t, Shares([1.0 - part for part in chosen], chosen), system.constant_force - dead, dead)
 
+    def inputs(self, s: float) -> Any:
+        """What kernels of loads are given."""
+        return self._shares.at(self._inputs, s)
+
     def load(self, q: Array, s: float) -> Array:
         """[n]."""
-        return self.system.load(q, self._shares.at(self._inputs, s)) - self.system.constant_force + self._constant + s * self._growing
+        return self.system.load(q, self.inputs(s)) - self.system.constant_force + self._constant + s * self._growing
 
     def rate(self, q: Array) -> Array:
         """d load/ds [n]."""
@@ -84,7 +88,7 @@ class Loading:
 
     def stiffness(self, q: Array, s: float, stress: Array, multipliers: Array) -> Array:
         """Values of K on the system's pattern."""
-        return self.system.stiffness(q, self._still, self._shares.at(self._inputs, s), stress, multipliers)
+        return self.system.stiffness(q, self._still, self.inputs(s), stress, multipliers)
 
 
 def dead_part(system: System, scene: Any, items: Iterable[Any]) -> Array:

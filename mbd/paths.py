@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Any
 
 from .affine import Array
 from .balance import Equilibrium
+from .loading import Loading
 from .marker import Marker
 from .reaction import reaction
-from .system import System
 
 if TYPE_CHECKING:
     from .scene import Scene
 
 
-def on_path(scene: Scene, system: System, t: float, factor: float, q: Array, multipliers: Array, unstable: int) -> Equilibrium:
+def on_path(scene: Scene, loading: Loading, factor: float, q: Array, multipliers: Array, unstable: int) -> Equilibrium:
     """The equilibrium at a point of a path."""
-    return Equilibrium(scene, system, q, multipliers, t, float(factor), int(unstable), 0, {})
+    return Equilibrium(scene, loading.system, q, multipliers, loading.t, float(factor), int(unstable), 0, {}, loading.inputs(float(factor)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,8 +45,7 @@ class Branch:
     """
 
     scene: Scene
-    system: System
-    t: float
+    loading: Loading
     factor: Array
     q: Array
     multipliers: Array
@@ -64,7 +63,7 @@ class Branch:
 
     def __getitem__(self, k: int) -> Equilibrium:
         """The k-th point."""
-        return on_path(self.scene, self.system, self.t, self.factor[k], self.q[k], self.multipliers[k], self.unstable[k])
+        return on_path(self.scene, self.loading, self.factor[k], self.q[k], self.multipliers[k], self.unstable[k])
 
     @cached_property
     def stable(self) -> Array:
@@ -77,5 +76,5 @@ class Branch:
 
     def reaction(self, joint: Any) -> Array:
         """[k, 3] or [k, 6], as of ``Equilibrium.reaction``."""
-        rows = [i for i, (item, _) in enumerate(self.system.joints.labels) if item == joint.name]
-        return reaction(joint, joint.pose(self.system.q0), self.q, self.multipliers[:, rows])
+        rows = [i for i, (item, _) in enumerate(self.loading.system.joints.labels) if item == joint.name]
+        return reaction(joint, joint.pose(self.loading.system.q0), self.q, self.multipliers[:, rows])

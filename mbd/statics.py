@@ -79,12 +79,12 @@ def _solve(scene: Scene, system: System, q: Array, t: float, load_steps: int) ->
     if breaks and breaks[0] > 0.0:
         text = f"the path of balance breaks off near {100.0 * breaks[0]:.2g} % of the loads: this is where the scene then snaps to"
         warnings.warn(text, SceneWarning, stacklevel=3)
-    return _judged(problem, out, Equilibrium(scene, system, out.x.q, out.x.multipliers, t, 1.0, 0, 0, stats))
+    return _judged(problem, out, Equilibrium(scene, system, out.x.q, out.x.multipliers, t, 1.0, 0, 0, stats, path.inputs(1.0)))
 
 
 def _judged(problem: Any, out: Any, found: Equilibrium) -> Equilibrium:
     """The equilibrium with its stability."""
-    at = About(found.scene, found)
+    at = About(found.scene, found, problem.linear)
     unstable, neutral = problem.kkt.signs(problem.tangent(out.x))
     if neutral:
         neutral = _truly(at, problem, out, neutral)

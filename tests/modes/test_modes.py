@@ -156,6 +156,17 @@ def test_buckling_is_where_the_frequency_vanishes() -> None:
     assert squares[1] / squares[0] == pytest.approx(0.5, abs=0.03)
 
 
+def test_modes_along_a_path_see_the_load_times_its_factor() -> None:
+    """Beck's column again, the follower force growing along a path: the slowest mode there is that of the column under that very force."""
+    scene, cable = beam("cantilever", 6)
+    load = scene.add(mbd.Force(cable.end, (-10.0 * E * HEIGHT**4 / 12, 0.0), follower=True))
+    path = mbd.continuation(scene, load, until=0.4, step=0.2, longest=0.2)
+    single, other = beam("cantilever", 6)
+    single.add(mbd.Force(other.end, (-4.0 * E * HEIGHT**4 / 12, 0.0), follower=True))
+    expected = mbd.modes(single, 2, about=mbd.equilibrium(single)).frequencies
+    assert mbd.modes(scene, 2, about=path[-1]).frequencies == pytest.approx(expected, rel=1e-6)
+
+
 def test_flutter_of_a_follower_force() -> None:
     """Beck's column: no buckling, but flutter from P L^2 / EI = 20.05 on (Beck 1952)."""
     growing = []
