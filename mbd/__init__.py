@@ -21,11 +21,15 @@ if not (_here / "elements").is_dir():
 if TYPE_CHECKING:
     from .archive import load
     from .assembly import assemble
+    from .balance import Equilibrium
+    from .branches import continuation
     from .elements import AncfCable, Force, Particle, RigidBody, Spring, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
     from .joints import Ball, Clamp, Distance, Motor, Pin, PointOnLine, Prescribed, Slider
+    from .linearisation import Linearization, linearize
     from .marker import Marker
+    from .paths import Bifurcation, Branch
     from .precision import WorkPrecision, work_precision
     from .result import Result
     from .run import simulate
@@ -33,7 +37,9 @@ if TYPE_CHECKING:
     from .signal import piecewise
     from .solvers import Automatic, DormandPrince, Gauss, GeneralizedAlpha, Radau
     from .state import State
+    from .statics import equilibrium
     from .target import Motion
+    from .vibration import Modes, modes
 
 _HOMES = {
     "elements": ("AncfCable", "Force", "Particle", "RigidBody", "Spring", "TorsionSpring", "Torque"),
@@ -48,9 +54,15 @@ _HOMES = {
     "scene": ("Scene",),
     "assembly": ("assemble",),
     "run": ("simulate",),
+    "balance": ("Equilibrium",),
+    "branches": ("continuation",),
+    "paths": ("Bifurcation", "Branch"),
+    "statics": ("equilibrium",),
     "state": ("State",),
     "precision": ("WorkPrecision", "work_precision"),
     "target": ("Motion",),
+    "linearisation": ("Linearization", "linearize"),
+    "vibration": ("Modes", "modes"),
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names}
 
@@ -59,14 +71,19 @@ __all__ = [
     "AncfCable",
     "Automatic",
     "Ball",
+    "Bifurcation",
+    "Branch",
     "Clamp",
     "Distance",
     "DormandPrince",
+    "Equilibrium",
     "Event",
     "Force",
     "Gauss",
     "GeneralizedAlpha",
+    "Linearization",
     "Marker",
+    "Modes",
     "Motion",
     "Motor",
     "Particle",
@@ -88,7 +105,11 @@ __all__ = [
     "WorkPrecision",
     "__version__",
     "assemble",
+    "continuation",
+    "equilibrium",
+    "linearize",
     "load",
+    "modes",
     "piecewise",
     "simulate",
     "work_precision",
