@@ -1,10 +1,34 @@
-"""Joints and drives between markers, as tables of quadratic rows. Import it as ``mbd.joints``."""
+"""Joints, drives and measures between markers, as tables of quadratic rows. Import it as ``mbd.joints``."""
 
 if __name__ != "mbd.joints":
     raise ImportError(f"import mbd.joints, not {__name__}: loaded twice, every class would exist twice")
 
+from .couplings import Coupling
 from .drives import Motor, Prescribed
+from .gears import Gear, Rack
 from .lines import PointOnLine, Slider
+from .measures import Angle, Displacement, Length
 from .pairs import Ball, Clamp, Distance, Pin
+from .rolling import Rolling
+from .spatial import Cylindrical, Planar, Universal
 
-__all__ = ["Ball", "Clamp", "Distance", "Motor", "Pin", "PointOnLine", "Prescribed", "Slider"]
+__all__ = [
+    "Angle",
+    "Ball",
+    "Clamp",
+    "Coupling",
+    "Cylindrical",
+    "Displacement",
+    "Distance",
+    "Gear",
+    "Length",
+    "Motor",
+    "Pin",
+    "Planar",
+    "PointOnLine",
+    "Prescribed",
+    "Rack",
+    "Rolling",
+    "Slider",
+    "Universal",
+]
