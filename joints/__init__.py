@@ -3,6 +3,7 @@
 if __name__ != "mbd.joints":
     raise ImportError(f"import mbd.joints, not {__name__}: loaded twice, every class would exist twice")
 
+from .beam_slider import BeamSlider
 from .couplings import Coupling
 from .drives import Motor, Prescribed
 from .gears import Gear, Rack
@@ -15,6 +16,7 @@ from .spatial import Cylindrical, Planar, Universal
 __all__ = [
     "Angle",
     "Ball",
+    "BeamSlider",
     "Clamp",
     "Coupling",
     "Cylindrical",

@@ -76,7 +76,7 @@ class Motor(Joint):
         return [turn_scalar(self.a, self.b, self.axis, site)]
 
     def turns(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[Turning]:  # type: ignore[override]
-        return [turning(a, b, *pose.axes, self.axis, scalars[0])]
+        return [turning(a, b, pose.axes, self.axis, scalars[0])]
 
     def misfits(self, pose: Pose) -> list[str]:
         return across_cables(self.markers, pose, self.axis)
@@ -89,7 +89,7 @@ class Motor(Joint):
             model.load(Couples, (), turns=np.array(scalars), signals=[Signal(self.torque, (), name, UNITS["torque"])])
             return
         target = Integral(self.speed, name, UNITS["speed"]) if self.angle is None else target_of(self.angle, (), name, UNITS["angle"])
-        model.drive(name, self.rows(*self.markers, pose, scalars), target)
+        model.drive(name, self.rows(self.a, self.b, pose, scalars), target)
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,23 +123,26 @@ class Prescribed(Joint):
             return found
         if dimension != 2:
             return [*found, "angle: expected none in space (rotations cannot be prescribed there yet), found one; leave it out"]
-        return found + turning_faults(*self.sides, None, dimension) + Signal(self.angle, (), "", "[rad]").faults("angle")
+        marker, ground = self.sides
+        return found + turning_faults(marker, ground, None, dimension) + Signal(self.angle, (), "", "[rad]").faults("angle")
 
     def place(self, site: Site) -> PlacedDrive:
         return PlacedDrive(self, site)
 
     def scalars(self, site: Site) -> list[int]:
-        return [] if self.angle is None else [turn_scalar(*self.sides, None, site)]
+        marker, ground = self.sides
+        return [] if self.angle is None else [turn_scalar(marker, ground, None, site)]
 
     def turns(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[Turning]:  # type: ignore[override]
-        return [turning(a, b, *pose.axes, None, scalar) for scalar in scalars]
+        return [turning(a, b, pose.axes, None, scalar) for scalar in scalars]
 
     def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
         turns = [("angle", Row(Scalar.coordinate(scalar))) for scalar in scalars]
         return turns if self.position is None else points(a, b) + turns
 
     def act(self, model: Model, name: str, pose: Pose, scalars: list[int]) -> None:
-        rows, d = self.rows(*self.sides, pose, scalars), model.dimension
+        marker, ground = self.sides
+        rows, d = self.rows(marker, ground, pose, scalars), model.dimension
         if self.position is not None:
             model.drive(name, rows[:d], target_of(self.position, (d,), name, "[m]"))
         if self.angle is not None:

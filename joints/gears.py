@@ -113,7 +113,7 @@ class Gear(_Geared):
 
     def turns(self, a: Marker, b: Marker, carrier: Marker, pose: Pose, scalars: list[int]) -> list[Turning]:  # type: ignore[override]
         sides = zip((a, b), pose.axes, self._axes(), scalars)
-        return [turning(wheel, carrier, own, pose.axes[2], axis, scalar) for wheel, own, axis, scalar in sides]
+        return [turning(wheel, carrier, (own, pose.axes[2]), axis, scalar) for wheel, own, axis, scalar in sides]
 
     def rows(self, a: Marker, b: Marker, carrier: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
         """r_a phi_a + r_b phi_b = 0."""
@@ -156,7 +156,7 @@ class Rack(_Geared):
         return [turn_scalar(pinion, carrier, self.shaft, site)]
 
     def turns(self, pinion: Marker, rack: Marker, carrier: Marker, pose: Pose, scalars: list[int]) -> list[Turning]:  # type: ignore[override]
-        return [turning(pinion, carrier, pose.axes[0], pose.axes[2], self.shaft, scalars[0])]
+        return [turning(pinion, carrier, (pose.axes[0], pose.axes[2]), self.shaft, scalars[0])]
 
     def rows(self, pinion: Marker, rack: Marker, carrier: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
         """Displacement since the start - radius phi."""

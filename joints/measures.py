@@ -74,7 +74,7 @@ class Angle(Measure):
         return [turn_scalar(self.a, self.b, self.axis, site)]
 
     def turns(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[Turning]:  # type: ignore[override]
-        return [turning(a, b, *pose.axes, self.axis, scalars[0])]
+        return [turning(a, b, pose.axes, self.axis, scalars[0])]
 
     def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
         return []

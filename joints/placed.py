@@ -173,5 +173,7 @@ def direction(name: str, value: Any, advice: str) -> list[str]:
 
 def with_ground(*markers: Any) -> tuple[Any, ...]:
     """The markers and, behind them, that of the ground of their scene."""
-    first = markers[0]
-    return (*markers, first.scene.ground.at()) if isinstance(first, Marker) else markers
+    if not isinstance(markers[0], Marker):
+        return markers
+    scene: Any = markers[0].scene
+    return (*markers, scene.ground.at())

@@ -68,7 +68,7 @@ class Rolling(Joint):
         return [turn_scalar(self.a, self.b, None, site)]
 
     def turns(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[Turning]:  # type: ignore[override]
-        return [turning(a, b, *pose.axes, None, scalars[0])]
+        return [turning(a, b, pose.axes, None, scalars[0])]
 
     def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
         unit, radius = self.axis / np.linalg.norm(self.axis), float(self.radius) * np.sign(self._height(pose))

@@ -17,11 +17,12 @@ if TYPE_CHECKING:
     from mbd.scene import Site
 
 
-def turning(a: Marker, b: Marker, axes_a: Array, axes_b: Array, axis: Array | None, phi: int) -> Turning:
+def turning(a: Marker, b: Marker, axes: Sequence[Array], axis: Array | None, phi: int) -> Turning:
     """The turn of a relative to b since the start, counter-clockwise; in space about an axis [3] (inertial components at the start).
 
     In space one of the markers at least is rigid; a cable turns with its tangent, which is perpendicular to the axis.
     """
+    axes_a, axes_b = axes
     if axis is None:
         ahead = b.axes[0].scaled(mate(axes_a, axes_b))
         return Turning(a.axes[0], ahead, ahead.scaled(1j), phi)
@@ -59,5 +60,5 @@ def across_cables(markers: Sequence[Marker], pose: Pose, axis: Array | None) -> 
 def turn_scalar(a: Marker, b: Marker, axis: Array | None, site: Site) -> int:
     """A new coordinate for the turn of a relative to b, with its rate at the start."""
     q, v = site.scene.layout.start()
-    rate = turning(a, b, *pose_of((a, b), q).axes, axis, 0).rate(q, v)
+    rate = turning(a, b, pose_of((a, b), q).axes, axis, 0).rate(q, v)
     return site.scalar(0.0, rate, "turn")

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from .joints import (
         Angle,
         Ball,
+        BeamSlider,
         Clamp,
         Coupling,
         Cylindrical,
@@ -59,6 +60,7 @@ _HOMES = {
     "joints": (
         "Angle",
         "Ball",
+        "BeamSlider",
         "Clamp",
         "Coupling",
         "Cylindrical",
@@ -98,6 +100,7 @@ __all__ = [
     "Angle",
     "Automatic",
     "Ball",
+    "BeamSlider",
     "Clamp",
     "Coupling",
     "Cylindrical",

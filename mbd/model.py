@@ -11,6 +11,7 @@ from .affine import Affine, Array
 from .layout import Layout
 from .rows import Row, shifted
 from .target import Target
+from .track import Track
 from .turn import Turning
 
 
@@ -34,6 +35,7 @@ class Model:
         self.drives: list[tuple[slice, Target]] = []
         self.internal: set[str] = set()
         self.turns: list[tuple[str, Turning]] = []
+        self.tracks: list[tuple[str, Track]] = []
         self.strains: dict[tuple[type, tuple], list[dict[str, Any]]] = {}
         self.loads: dict[tuple[type, tuple], list[dict[str, Any]]] = {}
         self.complaints: list[str] = []
@@ -75,6 +77,10 @@ class Model:
     def turning(self, item: str, turning: Turning) -> None:
         """An angle as a coordinate, between axes that its item chose."""
         self.turns.append((item, turning))
+
+    def track(self, item: str, track: Track) -> None:
+        """A point that slides along a cable: d equations."""
+        self.tracks.append((item, track))
 
     def strain(self, kernel: type, key: tuple, labels: list[str], **numbers: Any) -> None:
         """An elastic measure: items of one kernel and key share one object."""
