@@ -46,6 +46,7 @@ def planar() -> mbd.Scene:
     scene.add(mbd.Rack(gear, rack, axis=(0, 1), radius=0.1))
     disc = scene.add(mbd.RigidBody(mass=1.0, inertia=0.1, position=(8, 0.5)))
     scene.add(mbd.Rolling(disc, scene.ground, axis=(1, 0), radius=0.5))
+    scene.add(mbd.BeamSlider(scene.add(mbd.Particle(0.5, (0.55, 0.0))), rod))
     apart, turn = scene.add(mbd.Length(disc, scene.ground.at(8, 3))), scene.add(mbd.Angle(disc, rack))
     slid = scene.add(mbd.Displacement(disc, rack, axis=(1, 0)))
     bob = scene.add(mbd.Length(scene.add(mbd.Particle(1.0, (9, 0))), scene.ground.at(9, 1)))
