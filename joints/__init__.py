@@ -3,6 +3,7 @@
 if __name__ != "mbd.joints":
     raise ImportError(f"import mbd.joints, not {__name__}: loaded twice, every class would exist twice")
 
+from .actuator import Actuator
 from .beam_slider import BeamSlider
 from .couplings import Coupling
 from .drives import Motor, Prescribed
@@ -12,8 +13,10 @@ from .measures import Angle, Displacement, Length
 from .pairs import Ball, Clamp, Distance, Pin
 from .rolling import Rolling
 from .spatial import Cylindrical, Planar, Universal
+from .user_measure import UserMeasure
 
 __all__ = [
+    "Actuator",
     "Angle",
     "Ball",
     "BeamSlider",
@@ -33,4 +36,5 @@ __all__ = [
     "Rolling",
     "Slider",
     "Universal",
+    "UserMeasure",
 ]

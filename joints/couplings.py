@@ -9,11 +9,11 @@ import numpy as np
 
 from mbd import validate
 from mbd.affine import Scalar
+from mbd.measured import measure_faults
 from mbd.rows import Row
 from mbd.signal import Signal
 
 from .drives import target_of
-from .measures import Measure
 
 if TYPE_CHECKING:
     from mbd.model import Model
@@ -43,8 +43,7 @@ class Coupling:
         items = self._items()
         if not items or len(items) != len(self.terms):
             return [f"terms: expected pairs (coefficient, measure), found {self.terms!r}; give terms=[(2.0, phi), (-1.0, psi)]"]
-        wanted = "expected a measure as scene.add(mbd.Angle(...)) returned it"
-        found = [f"terms: {wanted}, found {item!r}; add one" for item in items if not (hasattr(item, "coordinate") or _refused(item))]
+        found = [line for item in items for line in measure_faults("terms", item)]
         for coefficient, _ in self.terms:
             wrong = validate.number("terms: coefficient", validate.floats(coefficient))
             found += wrong or ([] if float(coefficient) else ["terms: coefficient: expected a number other than 0, found 0; leave the term out"])
@@ -67,8 +66,3 @@ class PlacedCoupling:
         row = Row(Scalar(columns, coefficients, 0.0))
         value = float(coefficients @ model.q0[columns]) if c.value is None else c.value
         model.drive(self.name, [("coupling", row)], target_of(value, (), self.name, "[]"))
-
-
-def _refused(item: Any) -> bool:
-    """Whether a measure was refused, which is complained of already."""
-    return isinstance(getattr(item, "description", None), Measure)

@@ -21,10 +21,11 @@ if not (_here / "elements").is_dir():
 if TYPE_CHECKING:
     from .archive import load
     from .assembly import assemble
-    from .elements import AncfCable, Force, Particle, RigidBody, Spring, Torque, TorsionSpring
+    from .elements import PD, AncfCable, Force, ForceLaw, Particle, RigidBody, Spring, Stop, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
     from .joints import (
+        Actuator,
         Angle,
         Ball,
         BeamSlider,
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
         Rolling,
         Slider,
         Universal,
+        UserMeasure,
     )
     from .marker import Marker
     from .precision import WorkPrecision, work_precision
@@ -56,8 +58,9 @@ if TYPE_CHECKING:
     from .target import Motion
 
 _HOMES = {
-    "elements": ("AncfCable", "Force", "Particle", "RigidBody", "Spring", "TorsionSpring", "Torque"),
+    "elements": ("PD", "AncfCable", "Force", "ForceLaw", "Particle", "RigidBody", "Spring", "Stop", "Torque", "TorsionSpring"),
     "joints": (
+        "Actuator",
         "Angle",
         "Ball",
         "BeamSlider",
@@ -77,6 +80,7 @@ _HOMES = {
         "Rolling",
         "Slider",
         "Universal",
+        "UserMeasure",
     ),
     "solvers": ("Automatic", "DormandPrince", "Gauss", "GeneralizedAlpha", "Radau"),
     "errors": ("SceneError", "SceneWarning", "SimulationError"),
@@ -96,6 +100,8 @@ _HOME = {name: module for module, names in _HOMES.items() for name in names}
 
 __version__ = "0.1.0"
 __all__ = [
+    "PD",
+    "Actuator",
     "AncfCable",
     "Angle",
     "Automatic",
@@ -109,6 +115,7 @@ __all__ = [
     "DormandPrince",
     "Event",
     "Force",
+    "ForceLaw",
     "Gauss",
     "Gear",
     "GeneralizedAlpha",
@@ -133,9 +140,11 @@ __all__ = [
     "Slider",
     "Spring",
     "State",
+    "Stop",
     "Torque",
     "TorsionSpring",
     "Universal",
+    "UserMeasure",
     "WorkPrecision",
     "__version__",
     "assemble",

@@ -20,7 +20,12 @@ from .scene import Misfit, Scene
 
 Data = dict[str, Any]
 
-KINDS: dict[str, Any] = {name: kind for module in (elements, joints) for name in module.__all__ if is_dataclass(kind := getattr(module, name))}
+KINDS: dict[str, Any] = {
+    name: kind
+    for module in (elements, joints)
+    for name in module.__all__
+    if is_dataclass(kind := getattr(module, name)) and getattr(kind, "storable", True)
+}
 COUNTS = ("n_elements", "gauss_points")
 """Fields that size arrays: checked before anything is built from them."""
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .affine import Affine, Array
 from .layout import Layout
+from .relation import Relation
 from .rows import Row, shifted
 from .target import Target
 from .track import Track
@@ -35,6 +36,7 @@ class Model:
         self.drives: list[tuple[slice, Target]] = []
         self.internal: set[str] = set()
         self.turns: list[tuple[str, Turning]] = []
+        self.relations: list[tuple[str, Relation]] = []
         self.tracks: list[tuple[str, Track]] = []
         self.strains: dict[tuple[type, tuple], list[dict[str, Any]]] = {}
         self.loads: dict[tuple[type, tuple], list[dict[str, Any]]] = {}
@@ -77,6 +79,10 @@ class Model:
     def turning(self, item: str, turning: Turning) -> None:
         """An angle as a coordinate, between axes that its item chose."""
         self.turns.append((item, turning))
+
+    def relation(self, item: str, relation: Relation) -> None:
+        """A coordinate that is a function of others."""
+        self.relations.append((item, relation))
 
     def track(self, item: str, track: Track) -> None:
         """A point that slides along a cable: d equations."""

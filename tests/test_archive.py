@@ -51,6 +51,9 @@ def planar() -> mbd.Scene:
     slid = scene.add(mbd.Displacement(disc, rack, axis=(1, 0)))
     bob = scene.add(mbd.Length(scene.add(mbd.Particle(1.0, (9, 0))), scene.ground.at(9, 1)))
     scene.add(mbd.Coupling([(1.0, bob), (0.1, apart), (0.1, turn), (0.1, slid)]))
+    scene.add(mbd.PD(apart, 2.0, proportional=1.0, derivative=0.1))
+    scene.add(mbd.Stop(slid, lower=0.0, upper=0.1, stiffness=10.0, width=0.1))
+    scene.add(mbd.Actuator(turn, force=0.1))
     return scene
 
 
@@ -164,7 +167,7 @@ def test_angles(pairs):
 
 def test_the_scenes_have_every_kind(pairs):
     used = {type(item.description).__name__ for saved, _ in pairs.values() for item in saved.scene.items}
-    assert used == set(KINDS)
+    assert used == set(KINDS) - {"ForceLaw"}, "its functions are not stored"
 
 
 def test_the_start_that_was_corrected_is_remembered(pairs):
