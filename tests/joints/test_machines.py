@@ -277,3 +277,41 @@ def test_driven_coupling() -> None:
     result = mbd.simulate(scene, 1.0)
     assert np.abs(result.position(load.at())[:, 1] + 3.0 - 0.5 * result.t**2).max() < 1e-12
     assert result.reaction(rope)[:, 1] == pytest.approx(2.0 * (G + 1.0), abs=1e-8)
+
+
+def test_rope_of_stiff_springs_tends_to_one_of_distances() -> None:
+    """Three particles in series, started with the tensions of the distances: the difference falls as 1 / stiffness."""
+
+    def swing(stiffness: float | None) -> np.ndarray:
+        scene = mbd.Scene()
+        before = scene.ground.at()
+        for k in range(3):
+            body = scene.add(mbd.Particle(1.0, (0.0, -1.0 - k), (0.2 * (k + 1.0), 0.0)))
+            if stiffness is None:
+                scene.add(mbd.Distance(body.at(), before))
+            else:  # the tension at rest, and that of the turning rope, stretch the springs to a metre
+                tension = sum(G + 0.04 * (j + 1.0) for j in range(k, 3))
+                scene.add(mbd.Spring(body.at(), before, stiffness=stiffness, length=1.0 - tension / stiffness))
+            before = body.at()
+        return mbd.simulate(scene, 0.5, rtol=1e-11, solver=mbd.Radau(7)).position(before)[-1]
+
+    true = swing(None)
+    errors = [np.abs(swing(stiffness) - true).max() for stiffness in (1e4, 1e5, 1e6)]
+    assert errors[-1] < 3e-6 and np.log10(errors[0] / errors[1]) == pytest.approx(1.0, abs=0.2)
+    assert np.log10(errors[1] / errors[2]) == pytest.approx(1.0, abs=0.2)
+
+
+def test_pictures_of_transmissions() -> None:
+    """Measures and couplings draw nothing of their own; a sleeve on the ground is a pivot."""
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    plt = pytest.importorskip("matplotlib.pyplot")
+    scene = mbd.Scene()
+    cable = scene.add(mbd.AncfCable((0, 0), (1, 0), n_elements=2, E=1e6, A=1e-3, I=1e-8, rho=1000))
+    scene.add(mbd.BeamSlider(scene.ground.at(0.5, 0), cable))
+    apart = scene.add(mbd.Length(cable.end, scene.ground.at(2, 3)))
+    scene.add(mbd.Coupling([(1.0, apart)]))
+    ax = mbd.simulate(scene, 0.05, rtol=1e-4).plot()
+    pivots = [line for line in ax.lines if line.get_marker() == "^"]
+    assert [point for line in pivots for point in zip(*line.get_data())] == [(0.5, 0.0)]
+    plt.close("all")
