@@ -75,7 +75,7 @@ class PlacedPD:
 class Pursuit:
     """The kernel of what controllers' targets pull with: proportional c + derivative c'."""
 
-    constant_in_q = True
+    constant_in_q = linear_in_q = True
 
     def __init__(self, *, at: NDArray[np.intp], gains: Array, targets: Sequence[Position], signals: Sequence[Signal]):
         self.dofs, self.gains, self.targets, self.signals = at[:, None], gains, targets, signals

@@ -72,7 +72,7 @@ class PlacedForceLaw:
 class Laws:
     """The kernel of all force laws on as many measures."""
 
-    constant_in_q = False
+    constant_in_q = linear_in_q = False
 
     def __init__(self, count: int, *, at: NDArray[np.intp], formulas: Sequence[Formula], signals: Sequence[Signal]):
         self.dofs, self.formulas, self.signals = at, formulas, signals

@@ -104,7 +104,7 @@ class _Penetration:
 class StopSprings:
     """The kernel of the springs of all stops."""
 
-    constant_in_q = False
+    constant_in_q = linear_in_q = False
 
     def __init__(self, *, at: NDArray[np.intp], limits: Array, width: Array, stiffness: Array, signals: Sequence[Signal]):
         self.penetration, self.stiffness, self.signals = _Penetration(at, limits, width), stiffness[:, None], signals

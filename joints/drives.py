@@ -164,7 +164,7 @@ class Couples:
 
     def __init__(self, *, turns: NDArray[np.intp], signals: Sequence[Signal]):
         self.dofs, self.signals = turns[:, None], signals
-        self.constant_in_q = True
+        self.constant_in_q = self.linear_in_q = True
 
     def inputs(self, times: Array) -> Array:
         return np.stack([signal.sample(times) for signal in self.signals], axis=-1)
