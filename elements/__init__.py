@@ -4,10 +4,13 @@ if __name__ != "mbd.elements":
     raise ImportError(f"import mbd.elements, not {__name__}: loaded twice, every class would exist twice")
 
 from .ancf_cable import AncfCable
+from .control import PD
 from .force import Force
+from .force_law import ForceLaw
 from .particle import Particle
 from .rigid import RigidBody
 from .spring import Spring, TorsionSpring
+from .stop import Stop
 from .torque import Torque
 
-__all__ = ["AncfCable", "Force", "Particle", "RigidBody", "Spring", "Torque", "TorsionSpring"]
+__all__ = ["PD", "AncfCable", "Force", "ForceLaw", "Particle", "RigidBody", "Spring", "Stop", "Torque", "TorsionSpring"]

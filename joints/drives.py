@@ -6,21 +6,24 @@ phi = c(t), whose multiplier is the torque; a given torque is a force on phi, wh
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mbd.affine import Affine, Array, Scalar
+from mbd import validate
+from mbd.affine import Array, Scalar
 from mbd.errors import SimulationError
 from mbd.marker import Marker
 from mbd.rows import Row, shifted
 from mbd.signal import Signal
 from mbd.target import Integral, Position, Target
+from mbd.turn import Turning
 
-from .placed import Pose, mate, points, pose_of
+from .placed import Joint, Placed, Pose, as_marker, points, with_ground
+from .turns import across_cables, turn_scalar, turning, turning_faults
 
 if TYPE_CHECKING:
     from mbd.model import Model
@@ -31,12 +34,14 @@ UNITS = {"angle": "[rad]", "speed": "[rad/s]", "torque": "[N m]"}
 
 
 @dataclass(frozen=True, eq=False)
-class Motor:
-    """A motor between two planar bodies, markers that carry an axis, or the ground. Exactly one of (numbers, or callables of t [s]):
+class Motor(Joint):
+    """A motor between two bodies, markers that carry an axis, or the ground. Exactly one of (numbers, or callables of t [s]):
 
     angle    [rad], the counter-clockwise rotation of a relative to b since assembly, turns counted
     speed    [rad/s], its rate; the angle is the integral from t = 0
     torque   [N m], counter-clockwise on a, opposite on b
+
+    axis     in space: [3], inertial components at the start, of the axis of rotation, which joints between a and b hold (a Pin, say)
 
     Angle and speed want derivatives: by differences, or the function's own, see ``mbd.Motion``. The torque that they take is the
     moment of ``result.reaction(motor)``; at the start the drive sets the mechanism in motion.
@@ -47,28 +52,34 @@ class Motor:
     angle: Any = field(default=None, kw_only=True)
     speed: Any = field(default=None, kw_only=True)
     torque: Any = field(default=None, kw_only=True)
+    axis: Any = field(default=None, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "motor"
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "axis", validate.floats(self.axis))
         for side in ("a", "b"):
-            object.__setattr__(self, side, _as_marker(getattr(self, side)))
-
-    @property
-    def markers(self) -> tuple[Marker, ...]:
-        return (self.a, self.b)
+            object.__setattr__(self, side, as_marker(getattr(self, side)))
 
     def faults(self, dimension: int) -> list[str]:
-        if dimension != 2:
-            return ["scene: expected a planar one (motors about an axis in space are not built yet), found a spatial one; use torques"]
         given = [name for name in CHOICES if getattr(self, name) is not None]
         if len(given) != 1:
             return [f"expected exactly one of angle=, speed= and torque=, found {' and '.join(given) or 'none'}; give one"]
-        return _unturned(self.markers) + Signal(getattr(self, given[0]), (), "", UNITS[given[0]]).faults(given[0])
+        found = turning_faults(self.a, self.b, self.axis, dimension)
+        return found + Signal(getattr(self, given[0]), (), "", UNITS[given[0]]).faults(given[0])
 
     def place(self, site: Site) -> PlacedDrive:
-        return PlacedDrive(self, site, turns=True)
+        return PlacedDrive(self, site)
+
+    def scalars(self, site: Site) -> list[int]:
+        return [turn_scalar(self.a, self.b, self.axis, site)]
+
+    def turns(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[Turning]:  # type: ignore[override]
+        return [turning(a, b, pose.axes, self.axis, scalars[0])]
+
+    def misfits(self, pose: Pose) -> list[str]:
+        return across_cables(self.markers, pose, self.axis)
 
     def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
         return [("angle", Row(Scalar.coordinate(scalars[0])))] if self.torque is None else []
@@ -77,12 +88,12 @@ class Motor:
         if self.torque is not None:
             model.load(Couples, (), turns=np.array(scalars), signals=[Signal(self.torque, (), name, UNITS["torque"])])
             return
-        target = Integral(self.speed, name, UNITS["speed"]) if self.angle is None else _target(self.angle, (), name, UNITS["angle"])
+        target = Integral(self.speed, name, UNITS["speed"]) if self.angle is None else target_of(self.angle, (), name, UNITS["angle"])
         model.drive(name, self.rows(self.a, self.b, pose, scalars), target)
 
 
 @dataclass(frozen=True, eq=False)
-class Prescribed:
+class Prescribed(Joint):
     """A marker moves as given; numbers, or callables of t [s], with derivatives as for ``Motor``.
 
     position   [d] [m], of the marker's point; None: it is free
@@ -97,17 +108,12 @@ class Prescribed:
     kind = "prescribed motion"
 
     @property
-    def a(self) -> Marker:
-        return self.marker
-
-    @property
-    def b(self) -> Marker:
-        scene: Any = self.marker.scene
-        return scene.ground.at()
-
-    @property
     def markers(self) -> tuple[Marker, ...]:
         return (self.marker,)
+
+    @property
+    def sides(self) -> tuple[Marker, ...]:
+        return with_ground(self.marker)
 
     def faults(self, dimension: int) -> list[str]:
         if self.position is None and self.angle is None:
@@ -117,47 +123,40 @@ class Prescribed:
             return found
         if dimension != 2:
             return [*found, "angle: expected none in space (rotations cannot be prescribed there yet), found one; leave it out"]
-        return found + _unturned(self.markers) + Signal(self.angle, (), "", "[rad]").faults("angle")
+        marker, ground = self.sides
+        return found + turning_faults(marker, ground, None, dimension) + Signal(self.angle, (), "", "[rad]").faults("angle")
 
     def place(self, site: Site) -> PlacedDrive:
-        return PlacedDrive(self, site, turns=self.angle is not None)
+        return PlacedDrive(self, site)
+
+    def scalars(self, site: Site) -> list[int]:
+        marker, ground = self.sides
+        return [] if self.angle is None else [turn_scalar(marker, ground, None, site)]
+
+    def turns(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[Turning]:  # type: ignore[override]
+        return [turning(a, b, pose.axes, None, scalar) for scalar in scalars]
 
     def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
         turns = [("angle", Row(Scalar.coordinate(scalar))) for scalar in scalars]
         return turns if self.position is None else points(a, b) + turns
 
     def act(self, model: Model, name: str, pose: Pose, scalars: list[int]) -> None:
-        rows, d = self.rows(self.a, self.b, pose, scalars), model.dimension
+        marker, ground = self.sides
+        rows, d = self.rows(marker, ground, pose, scalars), model.dimension
         if self.position is not None:
-            model.drive(name, rows[:d], _target(self.position, (d,), name, "[m]"))
+            model.drive(name, rows[:d], target_of(self.position, (d,), name, "[m]"))
         if self.angle is not None:
-            target, (label, turn) = _target(self.angle, (), name, "[rad]"), rows[-1]
-            start = float(np.angle(complex(*pose.axes_a[:, 0])))
+            target, (label, turn) = target_of(self.angle, (), name, "[rad]"), rows[-1]
+            start = float(np.angle(complex(*pose.axes[0][:, 0])))
             turns = round((_at_zero(target) - start) / (2.0 * np.pi))
             model.drive(name, [(label, shifted(turn, start + 2.0 * np.pi * turns))], target)
 
 
-class PlacedDrive:
+class PlacedDrive(Placed):
     """A drive in a scene; ``result.reaction(drive)`` is the force and moment that it exerts on its first marker."""
 
-    def __init__(self, description: Any, site: Site, *, turns: bool):
-        self.description, self.name, self.site = description, site.name, site
-        rate = _turning(description.a, site) - _turning(description.b, site) if turns else 0.0
-        self.scalars = [site.scalar(0.0, rate, "turn")] if turns else []
-
-    def pose(self, q0: Array) -> Pose:
-        """The markers at the start coordinates q0 [n]."""
-        return pose_of(self.description.a, self.description.b, q0)
-
-    def turns(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[Affine, Affine, int]]:
-        """The turning angles that the drive acts on: axes and the index of phi."""
-        return [(a.axes[0], b.axes[0].scaled(mate(pose)), scalar) for scalar in scalars]
-
-    def assemble(self, model: Model) -> None:
-        drive, pose = self.description, self.pose(model.q0)
-        for scalar in self.scalars:
-            model.turn(self.name, drive.a.axes[0], drive.b.axes[0], scalar)
-        drive.act(model, self.name, pose, self.scalars)
+    def equations(self, model: Model, pose: Pose) -> None:
+        self.description.act(model, self.name, pose, self.scalars)
 
 
 class Couples:
@@ -165,7 +164,7 @@ class Couples:
 
     def __init__(self, *, turns: NDArray[np.intp], signals: Sequence[Signal]):
         self.dofs, self.signals = turns[:, None], signals
-        self.constant_in_q = True
+        self.constant_in_q = self.linear_in_q = True
 
     def inputs(self, times: Array) -> Array:
         return np.stack([signal.sample(times) for signal in self.signals], axis=-1)
@@ -174,20 +173,7 @@ class Couples:
         return inputs[..., None]
 
 
-def _as_marker(side: Any) -> Any:
-    """A body or the ground stands for its marker; anything else is left for the scene to judge."""
-    at: Callable[[], Marker] | None = getattr(side, "at", None)
-    try:
-        return side if at is None or isinstance(side, Marker) else at()
-    except TypeError:  # of a cable: at(s) needs to be told where
-        return side
-
-
-def _unturned(markers: Sequence[Marker]) -> list[str]:
-    return [f"marker: expected one that carries an axis, found {m!r}; use a body, a cable or the ground" for m in markers if not m.turns()]
-
-
-def _target(value: Any, shape: tuple[int, ...], item: str, unit: str) -> Target | Array:
+def target_of(value: Any, shape: tuple[int, ...], item: str, unit: str) -> Target | Array:
     return Position(value, shape, item, unit) if callable(value) else np.array(value, dtype=float)
 
 
@@ -197,10 +183,3 @@ def _at_zero(target: Target | Array) -> float:
         return float(target) if isinstance(target, np.ndarray) else float(target.value(np.zeros(1))[0, 0])
     except SimulationError:
         return 0.0
-
-
-def _turning(marker: Marker, site: Site) -> float:
-    """The angular velocity of a planar marker's axis at the start."""
-    q, v = site.scene.layout.start()
-    axis, rate = marker.axes[0].value(q), marker.axes[0].rate(v)
-    return float((axis[0] * rate[1] - axis[1] * rate[0]) / (axis @ axis))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,14 +12,11 @@ from mbd.affine import Affine, Array
 from mbd.marker import Marker
 from mbd.rows import Row, cross, dot
 
-from .placed import PlacedJoint, Pose, directions, normals
-
-if TYPE_CHECKING:
-    from mbd.scene import Site
+from .placed import Joint, Pose, directions, normals
 
 
 @dataclass(frozen=True, eq=False)
-class PointOnLine:
+class PointOnLine(Joint):
     """A point stays on a straight line of a body or the ground; all rotations are free.
 
     point            any marker
@@ -38,32 +35,18 @@ class PointOnLine:
         object.__setattr__(self, "axis", validate.floats(self.axis))
 
     @property
-    def a(self) -> Marker:
-        return self.point
-
-    @property
-    def b(self) -> Marker:
-        return self.marker_on_line
-
-    @property
     def markers(self) -> tuple[Marker, ...]:
-        return (self.a, self.b)
+        return (self.point, self.marker_on_line)
 
     def faults(self, dimension: int) -> list[str]:
-        return line_faults(self.b, self.axis, dimension)
-
-    def place(self, site: Site) -> PlacedJoint:
-        return PlacedJoint(self, site, [])
-
-    def misfits(self, pose: Pose) -> list[str]:
-        return []
+        return line_faults(self.marker_on_line, self.axis, dimension)
 
     def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
         return on_line(a, b, self.axis)
 
 
 @dataclass(frozen=True, eq=False)
-class Slider:
+class Slider(Joint):
     """Prismatic: the first marker's point stays on a straight line of the second one's body, without relative rotation.
 
     a      of a body or the ground, or of a cable, whose tangent is held (in space a thin cable has no torsion: two rows)
@@ -81,21 +64,11 @@ class Slider:
     def __post_init__(self) -> None:
         object.__setattr__(self, "axis", validate.floats(self.axis))
 
-    @property
-    def markers(self) -> tuple[Marker, ...]:
-        return (self.a, self.b)
-
     def faults(self, dimension: int) -> list[str]:
         found = line_faults(self.b, self.axis, dimension)
         if not self.a.turns():
             found.append(f"marker: expected one that carries an axis, found {self.a!r}; use a PointOnLine on a particle")
         return found
-
-    def place(self, site: Site) -> PlacedJoint:
-        return PlacedJoint(self, site, [])
-
-    def misfits(self, pose: Pose) -> list[str]:
-        return []
 
     def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
         return on_line(a, b, self.axis) + directions(a, b, pose)

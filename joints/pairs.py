@@ -15,14 +15,15 @@ from mbd import validate
 from mbd.marker import Marker
 from mbd.rows import Row, distance, dot, parallel
 
-from .placed import PlacedJoint, Pose, directions, fixed_in, normals, points
+from .placed import Joint, Pose, direction, directions, fixed_in, normals, points
+from .turns import across_cables
 
 if TYPE_CHECKING:
     from mbd.scene import Site
 
 
 @dataclass(frozen=True, eq=False)
-class Pin:
+class Pin(Joint):
     """The points coincide; in the plane both sides turn freely, in space about ``axis`` (revolute; [3], inertial components at the start)."""
 
     a: Marker
@@ -35,50 +36,33 @@ class Pin:
     def __post_init__(self) -> None:
         object.__setattr__(self, "axis", validate.floats(self.axis))
 
-    @property
-    def markers(self) -> tuple[Marker, ...]:
-        return (self.a, self.b)
-
     def faults(self, dimension: int) -> list[str]:
         if dimension == 2:
             return [] if self.axis is None else ["axis: expected none in a planar scene, found one; leave it out"]
         if self.axis is None:
             return ["axis: expected the axis of rotation of a spatial pin, found none; give axis=(x, y, z), or use a Ball"]
-        found = validate.vector("axis", self.axis, 3)
-        if not found and not np.linalg.norm(self.axis):
-            found = ["axis: expected a direction, found a zero vector; give axis=(x, y, z)"]
+        found = direction("axis", self.axis, "give axis=(x, y, z)")
         found += [f"marker: expected one that carries axes, found {m!r}; use a Ball on a particle" for m in self.markers if not m.turns()]
         if not (self.a.rigid or self.b.rigid):
             found.append("marker: expected at least one on a body or the ground (two thin cables hold no common axis), found two cables; use a Ball")
         return found
 
-    def place(self, site: Site) -> PlacedJoint:
-        return PlacedJoint(self, site, [])
-
     def misfits(self, pose: Pose) -> list[str]:
-        if self.axis is None:
-            return []
-        unit = self.axis / np.linalg.norm(self.axis)
-        for marker, axes in ((self.a, pose.axes_a), (self.b, pose.axes_b)):
-            along = 0.0 if marker.rigid else abs(axes[:, 0] @ unit) / np.linalg.norm(axes[:, 0])
-            if along > 1e-6:
-                across = f"one across the cable {marker.item!r} (it has no torsion)"
-                return [f"axis: expected {across}, found one with cosine {along:.3g} to it; turn the axis"]
-        return []
+        return across_cables(self.markers, pose, self.axis)
 
     def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
         if self.axis is None:
             return points(a, b)
         unit = self.axis / np.linalg.norm(self.axis)
         if not (a.rigid and b.rigid):
-            body, axes, cable = (a, pose.axes_a, b) if a.rigid else (b, pose.axes_b, a)
+            body, axes, cable = (a, pose.axes[0], b) if a.rigid else (b, pose.axes[1], a)
             return [*points(a, b), ("axis", dot(fixed_in(body, axes, unit), cable.axes[0]))]
-        axle = fixed_in(a, pose.axes_a, unit)
-        return points(a, b) + [(f"axis {k + 1}", dot(axle, fixed_in(b, pose.axes_b, n))) for k, n in enumerate(normals(unit))]
+        axle = fixed_in(a, pose.axes[0], unit)
+        return points(a, b) + [(f"axis {k + 1}", dot(axle, fixed_in(b, pose.axes[1], n))) for k, n in enumerate(normals(unit))]
 
 
 @dataclass(frozen=True, eq=False)
-class Ball:
+class Ball(Joint):
     """The points coincide; all rotations are free."""
 
     a: Marker
@@ -87,25 +71,12 @@ class Ball:
 
     kind = "ball joint"
 
-    @property
-    def markers(self) -> tuple[Marker, ...]:
-        return (self.a, self.b)
-
-    def faults(self, dimension: int) -> list[str]:
-        return []
-
-    def place(self, site: Site) -> PlacedJoint:
-        return PlacedJoint(self, site, [])
-
-    def misfits(self, pose: Pose) -> list[str]:
-        return []
-
     def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
         return points(a, b)
 
 
 @dataclass(frozen=True, eq=False)
-class Distance:
+class Distance(Joint):
     """The points keep their distance: a massless rigid rod. length [m]; None: the distance at the start."""
 
     a: Marker
@@ -118,15 +89,8 @@ class Distance:
     def __post_init__(self) -> None:
         object.__setattr__(self, "length", validate.floats(self.length))
 
-    @property
-    def markers(self) -> tuple[Marker, ...]:
-        return (self.a, self.b)
-
     def faults(self, dimension: int) -> list[str]:
         return validate.number("length", self.length, positive=True) if self.length is not None else []
-
-    def place(self, site: Site) -> PlacedJoint:
-        return PlacedJoint(self, site, [])
 
     def misfits(self, pose: Pose) -> list[str]:
         if pose.apart == 0.0:
@@ -138,7 +102,7 @@ class Distance:
 
 
 @dataclass(frozen=True, eq=False)
-class Clamp:
+class Clamp(Joint):
     """The points coincide and the axes keep their relative direction.
 
     A cable is held by its tangent's direction, while the length of the slope, its axial stretch, stays free. In space a thin cable has
@@ -151,23 +115,18 @@ class Clamp:
 
     kind = "clamp"
 
-    @property
-    def markers(self) -> tuple[Marker, ...]:
-        return (self.a, self.b)
-
     def faults(self, dimension: int) -> list[str]:
         return [f"marker: expected one that carries an axis, found {m!r}; use a Pin or Ball on a particle" for m in self.markers if not m.turns()]
 
-    def place(self, site: Site) -> PlacedJoint:
-        a, b = self.markers
-        if a.dimension == 3 and not a.rigid and not b.rigid:
-            return PlacedJoint(self, site, [site.scalar(*_stretch_ratio(a, b, site), "ratio of stretches")])
-        return PlacedJoint(self, site, [])
+    def scalars(self, site: Site) -> list[int]:
+        if self.a.dimension == 3 and not self.a.rigid and not self.b.rigid:
+            return [site.scalar(*_stretch_ratio(self.a, self.b, site), "ratio of stretches")]
+        return []
 
     def misfits(self, pose: Pose) -> list[str]:
-        if len(pose.axes_a) == 2 or self.a.rigid or self.b.rigid:
+        if len(pose.axes[0]) == 2 or self.a.rigid or self.b.rigid:
             return []
-        a, b = (axes[:, 0] / np.linalg.norm(axes[:, 0]) for axes in (pose.axes_a, pose.axes_b))
+        a, b = (axes[:, 0] / np.linalg.norm(axes[:, 0]) for axes in (pose.axes[0], pose.axes[1]))
         sine = float(np.linalg.norm(np.cross(a, b)))
         if sine > 1e-6:
             angle = np.arcsin(min(sine, 1.0))

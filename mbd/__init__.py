@@ -23,10 +23,32 @@ if TYPE_CHECKING:
     from .assembly import assemble
     from .balance import Equilibrium
     from .branches import continuation
-    from .elements import AncfCable, Force, Particle, RigidBody, Spring, Torque, TorsionSpring
+    from .elements import PD, AncfCable, Force, ForceLaw, Particle, RigidBody, Spring, Stop, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
-    from .joints import Ball, Clamp, Distance, Motor, Pin, PointOnLine, Prescribed, Slider
+    from .joints import (
+        Actuator,
+        Angle,
+        Ball,
+        BeamSlider,
+        Clamp,
+        Coupling,
+        Cylindrical,
+        Displacement,
+        Distance,
+        Gear,
+        Length,
+        Motor,
+        Pin,
+        Planar,
+        PointOnLine,
+        Prescribed,
+        Rack,
+        Rolling,
+        Slider,
+        Universal,
+        UserMeasure,
+    )
     from .linearisation import Linearization, linearize
     from .marker import Marker
     from .paths import Bifurcation, Branch
@@ -42,8 +64,30 @@ if TYPE_CHECKING:
     from .vibration import Modes, modes
 
 _HOMES = {
-    "elements": ("AncfCable", "Force", "Particle", "RigidBody", "Spring", "TorsionSpring", "Torque"),
-    "joints": ("Ball", "Clamp", "Distance", "Motor", "Pin", "PointOnLine", "Prescribed", "Slider"),
+    "elements": ("PD", "AncfCable", "Force", "ForceLaw", "Particle", "RigidBody", "Spring", "Stop", "Torque", "TorsionSpring"),
+    "joints": (
+        "Actuator",
+        "Angle",
+        "Ball",
+        "BeamSlider",
+        "Clamp",
+        "Coupling",
+        "Cylindrical",
+        "Displacement",
+        "Distance",
+        "Gear",
+        "Length",
+        "Motor",
+        "Pin",
+        "Planar",
+        "PointOnLine",
+        "Prescribed",
+        "Rack",
+        "Rolling",
+        "Slider",
+        "Universal",
+        "UserMeasure",
+    ),
     "solvers": ("Automatic", "DormandPrince", "Gauss", "GeneralizedAlpha", "Radau"),
     "errors": ("SceneError", "SceneWarning", "SimulationError"),
     "event": ("Event",),
@@ -68,19 +112,29 @@ _HOME = {name: module for module, names in _HOMES.items() for name in names}
 
 __version__ = "0.1.0"
 __all__ = [
+    "PD",
+    "Actuator",
     "AncfCable",
+    "Angle",
     "Automatic",
     "Ball",
+    "BeamSlider",
     "Bifurcation",
     "Branch",
     "Clamp",
+    "Coupling",
+    "Cylindrical",
+    "Displacement",
     "Distance",
     "DormandPrince",
     "Equilibrium",
     "Event",
     "Force",
+    "ForceLaw",
     "Gauss",
+    "Gear",
     "GeneralizedAlpha",
+    "Length",
     "Linearization",
     "Marker",
     "Modes",
@@ -88,11 +142,14 @@ __all__ = [
     "Motor",
     "Particle",
     "Pin",
+    "Planar",
     "PointOnLine",
     "Prescribed",
+    "Rack",
     "Radau",
     "Result",
     "RigidBody",
+    "Rolling",
     "Scene",
     "SceneError",
     "SceneWarning",
@@ -100,8 +157,11 @@ __all__ = [
     "Slider",
     "Spring",
     "State",
+    "Stop",
     "Torque",
     "TorsionSpring",
+    "Universal",
+    "UserMeasure",
     "WorkPrecision",
     "__version__",
     "assemble",

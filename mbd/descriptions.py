@@ -1,8 +1,9 @@
 """Descriptions as JSON data and back: what a scene was made of, for files.
 
-A description becomes {"class", "fields"}; numbers and texts stay, arrays become lists, a marker its item and its affine maps (rows,
-weights, constant), so that a scene built of the same descriptions in the same order gets the same markers. Floats survive exactly.
-Functions of t become their value at t = 0, where scenes are assembled; asked for any other time, the function read back raises.
+A description becomes {"class", "fields"}; numbers and texts stay, arrays become lists, an item of the scene its name, a marker its item
+and its affine maps (rows, weights, constant), so that a scene built of the same descriptions in the same order gets the same markers.
+Floats survive exactly. Functions of t become their value at t = 0, where scenes are assembled; asked for any other time, the function read
+back raises.
 """
 
 from __future__ import annotations
@@ -19,7 +20,12 @@ from .scene import Misfit, Scene
 
 Data = dict[str, Any]
 
-KINDS: dict[str, Any] = {name: kind for module in (elements, joints) for name in module.__all__ if is_dataclass(kind := getattr(module, name))}
+KINDS: dict[str, Any] = {
+    name: kind
+    for module in (elements, joints)
+    for name in module.__all__
+    if is_dataclass(kind := getattr(module, name)) and getattr(kind, "storable", True)
+}
 COUNTS = ("n_elements", "gauss_points")
 """Fields that size arrays: checked before anything is built from them."""
 
@@ -60,6 +66,8 @@ def _encoded(value: Any, where: str) -> Any:
         return {"marker": value.item, "point": _encoded_map(value.point), "axes": axes, "rigid": value.rigid}
     if callable(value):
         return {"function": _value_at_zero(value)}
+    if hasattr(value, "description"):
+        return {"item": value.name}
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
     if isinstance(value, (list, tuple)):
@@ -103,8 +111,12 @@ def rebuilt(gravity: Any, items: list[Data], n: int, most: int) -> Scene:
 
 
 def _decoded(value: Any, scene: Scene) -> Any:
+    if isinstance(value, list):
+        return [_decoded(part, scene) for part in value]
     if not isinstance(value, dict):
         return value
+    if "item" in value:
+        return scene[value["item"]]
     if _is_function(value):
         return Missing(value["function"])
     axes = tuple(_decoded_map(axis, scene) for axis in value["axes"])

@@ -1,4 +1,5 @@
-"""All equations of a scene at once: the quadratic rows of the joints, some of which follow targets, then the turning angles."""
+"""All equations of a scene at once: the quadratic rows of the joints, some of which follow targets, the turning angles, the points on cables,
+and coordinates that are functions of others."""
 
 from __future__ import annotations
 
@@ -11,24 +12,30 @@ from numpy.typing import NDArray
 from .affine import Array
 from .constraint import Quadratic
 from .model import Model
+from .relation import Relations
 from .scatter import Scatter
 from .target import Targets
+from .track import OnTrack
 from .turn import Turn
 
 
 class Joints:
-    """All equations of a scene, gamma(q) = c(t): the quadratic rows, then the turning angles.
+    """All equations of a scene, gamma(q) = c(t): the quadratic rows, then the turning angles, points that slide along cables, relations.
 
     ``linear``: G is constant and nothing is driven, so that g = 0 at all times implies G v = 0. ``quadratic``: no row is of another kind.
     """
 
     def __init__(self, model: Model):
-        self.kernels: list[Any] = []  # Quadratic and Turn: each prepares what its own methods take
+        self.kernels: list[Any] = []  # Quadratic, Turn, OnTrack, Relations: each prepares what its own methods take
         self.labels = [(item, label) for item, label, _ in model.equations] + [(item, "turn") for item, _ in model.turns]
+        self.labels += [(item, f"position {axis}") for item, _ in model.tracks for axis in "xyz"[: model.dimension]]
+        self.labels += [(item, "relation") for item, _ in model.relations]
         if model.equations:
             self.kernels.append(Quadratic([row for *_, row in model.equations], model.n))
         if model.turns:
             self.kernels.append(Turn([turn for _, turn in model.turns], model.n))
+        self.kernels += [OnTrack(track, item, model.n) for item, track in model.tracks]
+        self.kernels += [Relations(relation, model.n) for _, relation in model.relations]
         first = np.concatenate(([0], np.cumsum([kernel.m for kernel in self.kernels], dtype=int)))
         self.m, self.n = int(first[-1]), model.n
         self.spans = [slice(int(a), int(b)) for a, b in zip(first[:-1], first[1:])]

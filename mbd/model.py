@@ -9,8 +9,11 @@ from numpy.typing import NDArray
 
 from .affine import Affine, Array
 from .layout import Layout
+from .relation import Relation
 from .rows import Row, shifted
 from .target import Target
+from .track import Track
+from .turn import Turning
 
 
 class Named(Protocol):
@@ -32,7 +35,9 @@ class Model:
         self.equations: list[tuple[str, str, Row]] = []
         self.drives: list[tuple[slice, Target]] = []
         self.internal: set[str] = set()
-        self.turns: list[tuple[str, tuple[Affine, Affine, int]]] = []
+        self.turns: list[tuple[str, Turning]] = []
+        self.relations: list[tuple[str, Relation]] = []
+        self.tracks: list[tuple[str, Track]] = []
         self.strains: dict[tuple[type, tuple], list[dict[str, Any]]] = {}
         self.loads: dict[tuple[type, tuple], list[dict[str, Any]]] = {}
         self.complaints: list[str] = []
@@ -66,10 +71,22 @@ class Model:
             self.equation(item, label, row)
 
     def turn(self, item: str, a: Affine, b: Affine, phi: int) -> None:
-        """phi follows the angle from axis b to axis a since the start."""
-        start, other = a.value(self.q0), b.value(self.q0)
-        relative = complex(*start) / complex(*other)
-        self.turns.append((item, (a, b.scaled(relative / abs(relative)), phi)))
+        """phi follows the angle from axis b to axis a since the start, in the plane."""
+        relative = complex(*a.value(self.q0)) / complex(*b.value(self.q0))
+        ahead = b.scaled(relative / abs(relative))
+        self.turning(item, Turning(a, ahead, ahead.scaled(1j), phi))
+
+    def turning(self, item: str, turning: Turning) -> None:
+        """An angle as a coordinate, between axes that its item chose."""
+        self.turns.append((item, turning))
+
+    def relation(self, item: str, relation: Relation) -> None:
+        """A coordinate that is a function of others."""
+        self.relations.append((item, relation))
+
+    def track(self, item: str, track: Track) -> None:
+        """A point that slides along a cable: d equations."""
+        self.tracks.append((item, track))
 
     def strain(self, kernel: type, key: tuple, labels: list[str], **numbers: Any) -> None:
         """An elastic measure: items of one kernel and key share one object."""

@@ -141,6 +141,8 @@ def components(scene: Scene) -> list[list[Any]]:
             for map_ in (marker.point, *marker.axes):
                 for row in map_.rows.tolist():
                     leader[find(owners[d * row][0])] = find(item.name)
+        for other in _mentioned(list(vars(item.description).values())):
+            leader[find(other)] = find(item.name)
     groups: dict[str, list[Any]] = {}
     for item in scene.items:
         groups.setdefault(find(item.name), []).append(item)
@@ -156,14 +158,34 @@ def _part(scene: Scene, items: Sequence[Any], columns: NDArray[np.intp], rows: N
     own = Scene(scene.gravity)
     for item in items:
         given = {field.name: getattr(item.description, field.name) for field in fields(item.description)}
-        markers = {name: _moved(value, own, new_row) for name, value in given.items() if isinstance(value, Marker)}
-        own.add(replace(item.description, **markers | {"name": item.name}))
+        moved = {name: _moved(value, own, new_row) for name, value in given.items() if isinstance(value, (Marker, list, tuple)) or _is_item(value)}
+        own.add(replace(item.description, **moved | {"name": item.name}))
     system = own.build()
     system.length = min(system.length, longest)
     return Part(tuple(item.name for item in items), system, columns, rows)
 
 
-def _moved(marker: Marker, scene: Scene, new_row: NDArray[np.intp]) -> Marker:
+def _is_item(value: Any) -> bool:
+    return hasattr(value, "description") and hasattr(value, "name")
+
+
+def _mentioned(value: Any) -> list[str]:
+    """Names of the items that a field holds, in lists too: a cable that is slid along, measures that are coupled."""
+    if isinstance(value, (list, tuple)):
+        return [name for part in value for name in _mentioned(part)]
+    return [value.name] if _is_item(value) else []
+
+
+def _moved(value: Any, scene: Scene, new_row: NDArray[np.intp]) -> Any:
+    """A field in its part: a marker with other rows, an item by its name, lists of them; anything else as it is."""
+    if isinstance(value, (list, tuple)):
+        return [_moved(part, scene, new_row) for part in value]
+    if _is_item(value):
+        return scene[value.name]
+    return _moved_marker(value, scene, new_row) if isinstance(value, Marker) else value
+
+
+def _moved_marker(marker: Marker, scene: Scene, new_row: NDArray[np.intp]) -> Marker:
     """The marker with the rows of its part."""
     point, *axes = (Affine(new_row[map_.rows], map_.weights, map_.constant) for map_ in (marker.point, *marker.axes))
     return Marker(marker.item, scene, point, tuple(axes), marker.rigid)

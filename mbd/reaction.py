@@ -1,8 +1,7 @@
 """What a joint does to its first marker: force and moment from its multipliers.
 
-The joint's own rows, and the turning angle of a drive, are written once more, over a small table that holds just the two markers'
-points and axes; the gradient with respect to the first marker's point is the force, with respect to its axes the moment (axis x force
-on the axis).
+The joint's own rows, and its turning angles, are written once more, over a small table that holds just its markers' points and axes;
+the gradient with respect to the first marker's point is the force, with respect to its axes the moment (axis x force on the axis).
 """
 
 from __future__ import annotations
@@ -34,20 +33,21 @@ def reaction(joint: Any, pose: Any, q: Array, multipliers: Array) -> Array:
 
     q [..., n]; multipliers [..., rows of the joint].
     """
-    a, b = joint.description.a, joint.description.b
-    own_a, own_b = _standalone(a, 0), _standalone(b, 1 + len(a.axes))
-    d, n_rows = a.dimension, 2 + len(a.axes) + len(b.axes)
+    a = joint.markers[0]
+    firsts = np.cumsum([0, *(1 + len(marker.axes) for marker in joint.markers)]).tolist()
+    own = [_standalone(marker, first) for marker, first in zip(joint.markers, firsts)]
     scalars = [-1 - k for k in range(len(joint.scalars))]
-    rows = [row for _, row in joint.description.rows(own_a, own_b, pose, scalars)]
-    turns = joint.turns(own_a, own_b, pose, scalars)
-    n = d * n_rows + len(scalars)
-    vectors = np.concatenate([*_values(a, q), *_values(b, q)], axis=-1)
+    rows = [row for _, row in joint.rows(own, pose, scalars)]
+    turns = joint.turns(own, pose, scalars)
+    d = a.dimension
+    n = d * firsts[-1] + len(scalars)
+    vectors = np.concatenate([value for marker in joint.markers for value in _values(marker, q)], axis=-1)
     table = np.concatenate((vectors, q[..., joint.scalars[::-1]]), axis=-1) if scalars else vectors
     kernels: list[Any] = ([Quadratic(rows, n)] if rows else []) + ([Turn(turns, n)] if turns else [])
     dense, first = np.zeros((*q.shape[:-1], n)), 0
     for kernel in kernels:
-        own = multipliers[..., first : first + kernel.m]
-        dense = dense - Scatter(kernel.cols, n)(kernel.gradient(kernel.prepare(table)) * own[..., kernel.rows])
+        share = multipliers[..., first : first + kernel.m]
+        dense = dense - Scatter(kernel.cols, n)(kernel.gradient(kernel.prepare(table)) * share[..., kernel.rows])
         first += kernel.m
     on_axes = dense[..., d : d * (1 + len(a.axes))].reshape(*q.shape[:-1], len(a.axes), d)
     axes = vectors[..., d : d * (1 + len(a.axes))].reshape(on_axes.shape)

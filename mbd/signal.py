@@ -66,10 +66,14 @@ class Signal:
         """[..., *shape] for times [...]; at a discontinuity from the right."""
         if self.function is None:
             return np.broadcast_to(np.asarray(self.constant), (*times.shape, *self.shape))
-        if self.discontinuities.size:
-            at = np.any(_same(times[..., None], self.discontinuities), axis=-1)
-            times = np.where(at, times + BESIDE * np.spacing(np.abs(times)), times)
-        return np.array([self._call(float(t)) for t in times.ravel()]).reshape((*times.shape, *self.shape))
+        return np.array([self._call(float(t)) for t in self.seen(times).ravel()]).reshape((*times.shape, *self.shape))
+
+    def seen(self, times: Array) -> Array:
+        """The times [...] at which the function is called for times: at a discontinuity, to the right of it."""
+        if not self.discontinuities.size:
+            return times
+        at = np.any(_same(times[..., None], self.discontinuities), axis=-1)
+        return np.where(at, times + BESIDE * np.spacing(np.abs(times)), times)
 
     def _call(self, t: float) -> Array:
         assert self.function is not None

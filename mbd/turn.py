@@ -1,9 +1,10 @@
-"""Turning angles as coordinates: phi follows the angle from axis b to axis a, turns counted.
+"""Turning angles as coordinates: phi follows the angle of an axis p between two axes c (ahead) and s (across), turns counted.
 
-    g = sin(phi) C - cos(phi) S = 0,   C = a . b,  S = b x a        (g = |a| |b| sin(phi - angle))
+    g = sin(phi) C - cos(phi) S = 0,   C = p . c,  S = p . s        (g = |p| |c| sin(phi - angle))
 
+In the plane s = i c. In space c and s turn with one body and p with another, all perpendicular to a common axis of rotation at phi = 0.
 C and S are quadratic rows themselves; phi is a coordinate without mass, so that the kernels keep no state and a spring, a motor or a
-gear sees an angle that grows over many turns. Planar.
+gear sees an angle that grows over many turns.
 """
 
 from __future__ import annotations
@@ -16,8 +17,22 @@ from numpy.typing import NDArray
 
 from .affine import Affine, Array
 from .constraint import Quadratic
-from .rows import cross, dot
+from .rows import dot
 from .scatter import Scatter
+
+
+class Turning(NamedTuple):
+    """One angle: the axes p, c and s, and the index of phi. c and s have one length, and phi = 0 where p points along c."""
+
+    moving: Affine
+    ahead: Affine
+    across: Affine
+    phi: int
+
+    def rate(self, q: Array, v: Array) -> float:
+        """dphi/dt [rad/s] where phi = 0, from q, v [n]."""
+        moving, ahead, across = (axis.value(q) for axis in self[:3])
+        return float((self.moving.rate(v) @ across + moving @ self.across.rate(v)) / (moving @ ahead))
 
 
 class _Posture(NamedTuple):
@@ -29,12 +44,12 @@ class _Posture(NamedTuple):
 
 
 class Turn:
-    """The rows [m] of all turning angles: pairs (a, b) of axes and the index of phi."""
+    """The rows [m] of all turning angles."""
 
-    def __init__(self, turns: Sequence[tuple[Affine, Affine, int]], n: int):
+    def __init__(self, turns: Sequence[Turning], n: int):
         self.m = len(turns)
-        self.inner = Quadratic([dot(a, b) for a, b, _ in turns] + [cross(b, a) for a, b, _ in turns], n)
-        self.phi = np.array([phi for *_, phi in turns], dtype=np.intp) % n
+        self.inner = Quadratic([dot(t.moving, t.ahead) for t in turns] + [dot(t.moving, t.across) for t in turns], n)
+        self.phi = np.array([t.phi for t in turns], dtype=np.intp) % n
         self.owner = self.inner.rows % self.m
         self.rows = np.concatenate((self.owner, np.arange(self.m)))
         self.cols = np.concatenate((self.inner.cols, self.phi))

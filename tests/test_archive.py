@@ -39,6 +39,21 @@ def planar() -> mbd.Scene:
     scene.add(mbd.Slider(cart.at(), scene.ground.at(5, 0), axis=(1, 0)))
     scene.add(mbd.Prescribed(wheel.at(), (6, 0)))
     scene.add(mbd.Motor(wheel, scene.ground, speed=3.0))
+    gear, rack = (scene.add(mbd.RigidBody(mass=1.0, inertia=0.1, position=(x, 3))) for x in (6, 7))
+    scene.add(mbd.Pin(gear.at(), scene.ground.at(6, 3)))
+    scene.add(mbd.Gear(gear, wheel, radii=(1, -2)))
+    scene.add(mbd.Slider(rack.at(), scene.ground.at(7, 3), axis=(0, 1)))
+    scene.add(mbd.Rack(gear, rack, axis=(0, 1), radius=0.1))
+    disc = scene.add(mbd.RigidBody(mass=1.0, inertia=0.1, position=(8, 0.5)))
+    scene.add(mbd.Rolling(disc, scene.ground, axis=(1, 0), radius=0.5))
+    scene.add(mbd.BeamSlider(scene.add(mbd.Particle(0.5, (0.55, 0.0))), rod))
+    apart, turn = scene.add(mbd.Length(disc, scene.ground.at(8, 3))), scene.add(mbd.Angle(disc, rack))
+    slid = scene.add(mbd.Displacement(disc, rack, axis=(1, 0)))
+    bob = scene.add(mbd.Length(scene.add(mbd.Particle(1.0, (9, 0))), scene.ground.at(9, 1)))
+    scene.add(mbd.Coupling([(1.0, bob), (0.1, apart), (0.1, turn), (0.1, slid)]))
+    scene.add(mbd.PD(apart, 2.0, proportional=1.0, derivative=0.1))
+    scene.add(mbd.Stop(slid, lower=0.0, upper=0.1, stiffness=10.0, width=0.1))
+    scene.add(mbd.Actuator(turn, force=0.1))
     return scene
 
 
@@ -54,6 +69,10 @@ def spatial() -> mbd.Scene:
     scene.add(mbd.Clamp(first.end, second.start))
     scene.add(mbd.Pin(door.at(-0.5, 0, 0), scene.ground.at(0, 2, 0), axis=(0, 0, 1)))
     scene.add(mbd.Torque(door.at(), (0.0, 0.0, 2.0), follower=True))
+    a, b, c = (scene.add(mbd.RigidBody(mass=1.0, inertia=(0.1, 0.1, 0.1), position=(x, 5, 0))) for x in range(3))
+    scene.add(mbd.Universal(a.at(), scene.ground.at(0, 5, 0), axes=[(1, 0, 0), (0, 1, 0)]))
+    scene.add(mbd.Cylindrical(b.at(), scene.ground.at(1, 5, 0), axis=(1, 0, 1)))
+    scene.add(mbd.Planar(c.at(), scene.ground.at(2, 5, 0), normal=(1, 0, 1)))
     return scene
 
 
@@ -148,7 +167,7 @@ def test_angles(pairs):
 
 def test_the_scenes_have_every_kind(pairs):
     used = {type(item.description).__name__ for saved, _ in pairs.values() for item in saved.scene.items}
-    assert used == set(KINDS)
+    assert used == set(KINDS) - {"ForceLaw"}, "its functions are not stored"
 
 
 def test_the_start_that_was_corrected_is_remembered(pairs):

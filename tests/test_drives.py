@@ -209,7 +209,7 @@ def test_mistakes_are_named() -> None:
     space = mbd.Scene(gravity=(0, 0, 0))
     body = space.add(mbd.RigidBody(mass=1.0, inertia=(1, 1, 1), position=(0, 0, 0)))
     space.add(mbd.Motor(body, space.ground, speed=1.0, name="screw"))
-    with pytest.raises(mbd.SceneError, match="motor 'screw': scene: expected a planar one"):
+    with pytest.raises(mbd.SceneError, match="motor 'screw': axis: expected a direction in space, found none"):
         space.build()
 
 

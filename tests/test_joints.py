@@ -128,10 +128,10 @@ class Polynomials:
     def _row(self, row: Any) -> sp.Expr:
         return sp.Add(self._scalar(row.linear), *(self._scalar(x) * self._scalar(y) for x, y in row.products))
 
-    def _turn(self, a: Any, b: Any, phi: int) -> sp.Expr:
-        """|a| |b| sin(phi - angle from b to a)."""
-        (ax, ay), (bx, by) = ([self._scalar(x) for x in v.components()] for v in (a, b))
-        return sp.sin(self.q[phi]) * (ax * bx + ay * by) - sp.cos(self.q[phi]) * (bx * ay - by * ax)
+    def _turn(self, moving: Any, ahead: Any, across: Any, phi: int) -> sp.Expr:
+        """|moving| |ahead| sin(phi - angle from ahead to moving)."""
+        p, c, s = (sp.Matrix([self._scalar(x) for x in axis.components()]) for axis in (moving, ahead, across))
+        return sp.sin(self.q[phi]) * p.dot(c) - sp.cos(self.q[phi]) * p.dot(s)
 
     def at(self, q: np.ndarray, v: np.ndarray, multipliers: np.ndarray) -> dict[str, np.ndarray]:
         """g [m], G [m, n], d(G' lambda)/dq [n, n], d(G v)/dq [m, n], v' d2g v [m] from 30 digits."""
@@ -296,8 +296,8 @@ def residual(build: Build, q: np.ndarray) -> float:
 
 def placed(case: Case, build: Build, rng: np.random.Generator, turn: np.ndarray, offset: np.ndarray | None = None) -> np.ndarray:
     """q after a common rigid motion and a relative rotation ``turn`` of the moving item about the joint; with cables stretched about it."""
-    scene, description = build.scene, build.joint.description
-    a, b, d = description.a, description.b, case.dimension
+    scene, d = build.scene, case.dimension
+    a, b = build.joint.markers
     q = build.system.q0
     pa, pb = a.point.value(q), b.point.value(q)
     mover, here, other, there = (a, pa, b, pb) if case.second == "ground" else (b, pb, a, pa)
@@ -325,7 +325,7 @@ def test_joint_allows_and_forbids(case: Case) -> None:
     """g = 0 after every motion that the joint allows (cables stretch along their tangents), and not after others."""
     rng = np.random.default_rng(7)
     built = build(case, rng)
-    a, b = built.joint.description.a, built.joint.description.b
+    a, b = built.joint.markers
     # Coordinates of size 5 and their products: some roundings of 1e-15.
     assert residual(built, built.system.q0) < 1e-14
     for _ in range(3):
@@ -384,7 +384,7 @@ def test_reaction_does_the_work_of_the_multipliers(case: Case) -> None:
     multipliers = rng.standard_normal(len(rows))
     wrench = reaction(built.joint, built.joint.pose(built.system.q0), q, multipliers)
     assert wrench.shape == (3 if d == 2 else 6,)
-    a, b = built.joint.description.a, built.joint.description.b
+    a, b = built.joint.markers
     point = a.point.value(q)
     mover, sign = (b, -1.0) if case.first == "ground" else (a, 1.0)
     spins = list(np.eye(3)) if d == 3 else [np.ones(2)]

@@ -1,0 +1,94 @@
+"""Forces that a user's function gives, on measures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbd.affine import Array
+from mbd.formula import Formula
+from mbd.measured import measure_faults
+from mbd.signal import Signal
+
+if TYPE_CHECKING:
+    from mbd.model import Model
+    from mbd.scene import Site
+
+
+@dataclass(frozen=True, eq=False)
+class ForceLaw:
+    """Forces on measures s_1 ... s_k as a function of time and of these: a spring that is not linear, a magnet, a field.
+
+    measures   a measure or a list of them, as ``scene.add(mbd.Length(...))`` returned them
+    function   (t, s_1, ..., s_k) to the k forces [N] or [N m], in the direction in which each measure grows; continuously differentiable
+    gradient   of the same arguments to d(force_i)/ds_j [k, k]; None: by differences
+
+    A given gradient is checked at the start. The function may declare times at which it jumps (``mbd.piecewise``'s attribute
+    ``discontinuities``). Its work is in the audit; what it does to bodies is in the reactions of the measures.
+    """
+
+    measures: Any
+    function: Any
+    gradient: Any = field(default=None, kw_only=True)
+    name: str | None = field(default=None, kw_only=True)
+
+    kind = "force law"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "measures", list(self.measures) if isinstance(self.measures, (list, tuple)) else [self.measures])
+
+    def faults(self, dimension: int) -> list[str]:
+        found = [line for item in self.measures for line in measure_faults("measures", item)]
+        wanted = f"a function of t and {len(self.measures)} numbers"
+        if not callable(self.function):
+            return [*found, f"function: expected {wanted}, found {self.function!r}; correct it"]
+        if self.gradient is not None and not callable(self.gradient):
+            found.append(f"gradient: expected {wanted} or None, found {self.gradient!r}; correct it")
+        return found + Signal(self.function, (), "", "").faults("function")
+
+    def place(self, site: Site) -> PlacedForceLaw:
+        return PlacedForceLaw(self, site)
+
+
+class PlacedForceLaw:
+    """A force law in a scene."""
+
+    def __init__(self, description: ForceLaw, site: Site):
+        self.description, self.name, self.site = description, site.name, site
+
+    def assemble(self, model: Model) -> None:
+        d, k = self.description, len(self.description.measures)
+        formula = Formula(d.function, d.gradient, None, (k, k), self.name)
+        at = np.array([[item.coordinate for item in d.measures]])
+        for complaint in formula.faults(model.q0[at[0]], 0.0):
+            model.complain(self, complaint)
+        model.load(Laws, (k,), at=at, formulas=[formula], signals=[Signal(d.function, (), self.name, "")])
+
+
+class Laws:
+    """The kernel of all force laws on as many measures."""
+
+    constant_in_q = linear_in_q = False
+
+    def __init__(self, count: int, *, at: NDArray[np.intp], formulas: Sequence[Formula], signals: Sequence[Signal]):
+        self.dofs, self.formulas, self.signals = at, formulas, signals
+
+    def inputs(self, times: Array) -> Array:
+        """The times themselves [..., n]; beside a declared jump, to the right of it."""
+        return np.stack([signal.seen(times) for signal in self.signals], axis=-1)
+
+    def force(self, q: Array, inputs: Array) -> Array:
+        s = q[..., self.dofs]
+        times = np.broadcast_to(inputs, s.shape[:-1])
+        out = np.empty(s.shape)
+        for index in np.ndindex(*s.shape[:-1]):
+            out[index] = self.formulas[index[-1]].value(s[index], float(times[index]))
+        return out
+
+    def gradient(self, q: Array, inputs: Array) -> Array:
+        """[n, k, k] at one configuration."""
+        return np.array([f.gradient(q[at], float(t)) for f, at, t in zip(self.formulas, self.dofs, np.broadcast_to(inputs, len(self.formulas)))])
