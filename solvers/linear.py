@@ -36,7 +36,7 @@ class Linear:
     """Patterns, scales and the format of a system's KKT matrices, prepared once.
 
     ``reach`` [m] turns a residual of an equation into a length: how far its most effective coordinate would have to move. ``origin`` [n] is
-    a configuration on the joints; who corrects the one given here says so.
+    a configuration on the joints; who corrects the one given here says so. ``constant_factor`` is kept where G never changes.
     """
 
     def __init__(self, system: System, q: Array):
@@ -55,6 +55,7 @@ class Linear:
         self._into = self.scale[self.order]
         self.softened = False
         self.factorizations = 0
+        self.constant_factor: Factor | None = None
         self._mass_slots, self._mass_scale = self._slots(system.mass_rows, system.mass_cols)
         self._stiffness_slots, self._stiffness_scale = self._slots(system.stiffness_rows, system.stiffness_cols)
         self._gradient_slots, self._gradient_scale = self._slots(top, left)
@@ -127,7 +128,7 @@ class Linear:
 
     def soften(self) -> None:
         """From now on, redundant equations are allowed."""
-        self.softened = True
+        self.softened, self.constant_factor = True, None
 
 
 class Factor:

@@ -49,7 +49,7 @@ class Radau:
 
     def integrator(self, rtol: float) -> RadauIIA:
         """The method for a tolerance."""
-        stages = self.stages or (3 if rtol > 5e-3 else 5 if rtol > 3e-6 else 7)
+        stages = self.stages or (3 if rtol > 5e-3 else 5 if rtol > 5e-7 else 7)
         return RadauIIA(stages, self.step, rtol)
 
 

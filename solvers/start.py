@@ -43,7 +43,12 @@ class Inconsistent(ArithmeticError):
 
 
 def mass_factor(system: System, linear: Linear, q: Array) -> Factor:
-    return linear.factor(linear.tangent(system.joints.at(q).gradient))
+    """The KKT matrix of the mass at q, factorised: once and for all where G is constant. Raises Singular."""
+    if not system.joints.linear:
+        return linear.factor(linear.tangent(system.joints.at(q).gradient))
+    if linear.constant_factor is None:
+        linear.constant_factor = linear.factor(linear.tangent(system.joints.at(q).gradient))
+    return linear.constant_factor
 
 
 def project_positions(

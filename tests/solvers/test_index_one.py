@@ -178,3 +178,13 @@ def test_a_start_off_the_joints_is_corrected_before_coordinates_are_left_out():
         result = mbd.simulate(scene, 0.5, solver=mbd.DormandPrince())
     assert np.abs(result.position(body.at(-0.5, 0))).max() < 1e-13
     assert pin.name in str(result.assembly)
+
+
+def test_a_constant_matrix_is_factorised_once():
+    scene, *_ = machines.flexible_pendulum(n_elements=2)
+    counts = {}
+    for t_end in (0.01, 0.05):
+        run = mbd.simulate(scene, t_end, rtol=1e-5, solver=mbd.DormandPrince())
+        run.acceleration(run.scene["rod"].end if "rod" in {item.name for item in run.scene.items} else run.scene.items[0].end)
+        counts[run.stats["steps"]] = run.trajectory.linear.factorizations
+    assert len(counts) == 2 and set(counts.values()) == {1}
