@@ -160,9 +160,12 @@ class GaussLobatto:
     ends [s, s]: polynomial minus x0 at d_1..d_s = ends @ dX;  pull [s, s + 1]: Y as forces at the stages;  kick [s + 1]: the part of Y in
     the final velocity that extrapolation of V by (b a^-1) lacks. ``ends_inverse``, ``pull_inverse`` [s, s] (of the first s columns),
     ``last`` = b a^-1 [s]. The symplectic pair is b_i A_ij + weights_j E_ji = b_i weights_j (Jay 1996, eq. 3.2; 2007).
+
+    Forces are taken at ``samples`` [k], Gauss's points too, with weights ``sample_weights``: spread [k, s]: polynomial minus x0 there = spread @ dX;
+    slope [k, s]: velocities there = slope @ V;  gather [s, k]: forces there as their projection to degree s - 1, at the stages.
     """
 
-    def __init__(self, stages: int):
+    def __init__(self, stages: int, samples: int):
         self.stages, self.order, self.real = stages, 2 * stages, stages % 2
         c, b = _gauss(stages)
         c, b = c[np.argsort(c)], b[np.argsort(c)]
@@ -180,6 +183,20 @@ class GaussLobatto:
         self.last, self.kick = (b @ inverse).astype(float), (b @ inverse @ into_stages - weights).astype(float)
         self.ends_inverse, self.pull_inverse = np.linalg.inv(self.ends), np.linalg.inv(self.pull[:, :-1])
         self.eigenvalues, self.into, self.back, self.into_parts, self.back_parts = decouple(self.inverse)
+        self.samples, self.sample_weights = self.c, self.b
+        self.spread = self.slope = self.gather = np.eye(stages)
+        if samples > stages:
+            self._sample(c, inverse, samples)
+
+    def _sample(self, c: Wide, inverse: Wide, samples: int) -> None:
+        points, weights = _gauss(samples)
+        points, weights = points[np.argsort(points)], weights[np.argsort(points)]
+        legendre_at = [legendre.legvander(2.0 * x - 1.0, self.stages - 1) for x in (c, points)]
+        gather = (legendre_at[0] * (2 * np.arange(self.stages) + 1)) @ legendre_at[1].T * weights
+        spread, slope = _quadrature(c, points) @ inverse, lagrange(c, points)
+        assert np.abs(gather @ slope - np.eye(self.stages)).max() < 1e-14, "what has degree s - 1 is its own projection"
+        assert np.abs(gather @ spread - np.eye(self.stages)).max() < 1e-14, "Newton's matrix is that of the stages"
+        self.samples, self.sample_weights, self.spread, self.slope, self.gather = (x.astype(float) for x in (points, weights, spread, slope, gather))
 
 
 def _lobatto(stages: int) -> Wide:
@@ -200,6 +217,6 @@ def tableau(stages: int) -> Tableau:
 
 
 @cache
-def gauss_lobatto(stages: int) -> GaussLobatto:
-    """The s-stage Gauss method with Lobatto's points for constraints, made once."""
-    return GaussLobatto(stages)
+def gauss_lobatto(stages: int, samples: int) -> GaussLobatto:
+    """The s-stage Gauss method with Lobatto's points for constraints and forces at so many samples, made once."""
+    return GaussLobatto(stages, samples)

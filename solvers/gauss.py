@@ -11,7 +11,14 @@ as in RATTLE. r3 = 0 fixes the polynomial as equations at the stages would, and 
 Newton's iteration is that of ``stages.py``, for each eigenvalue z of A^-1 / h
     [ z^2 M + z D + K   G' ] [ dQ        ]   [ -r2 - B' r5          ]
     [ G                 0  ] [ T dLambda ] = [ -(E A^-1)^-1 r3      ]      and dS as there
-It goes on until its corrections are rounding: their bias would be a drift. Unlike Lobatto's IIIA-IIIB pair it is stable for vibrations
+It goes on until its corrections are rounding: their bias would be a drift.
+
+With forces taken at k > s points of Gauss and projected to polynomials of degree s - 1, the work of elastic forces along the step is
+the change of their energy but for a quadrature error of order 2 k: energy is conserved to rounding even in motions that a step does
+not resolve, and symplecticity is given up. Newton's matrix stays the same: at the stages the projection of K dQ is K dQ. Hairer (2010),
+J. Numer. Anal. Ind. Appl. Math. 5 (energy-preserving collocation); Brugnano, Iavernaro and Trigiante (2010), ibid. (HBVM).
+
+Unlike Lobatto's IIIA-IIIB pair it is stable for vibrations
 of any frequency; M is used together with G only, and may be semidefinite.
 
 Jay (1996), SIAM J. Numer. Anal. 33, (2007), 45 (Gauss-Lobatto SPARK); Wenger, Ober-Bloebaum and Leyendecker (2017), Adv. Comput. Math. 43
@@ -44,24 +51,30 @@ class Gauss:
 
     step     [s]; a step that does not converge is divided, which ends conservation there: ``result.stats["failed"]`` counts it
     stages   2, 3, 4 or 5
+    samples  points at which forces are taken. None: one for each stage, symplectic; more, up to 20: not symplectic, but energy is conserved
+             to the quadrature error of so many points even where steps do not resolve all vibrations
     """
 
     step: float
     stages: int = field(default=2, kw_only=True)
+    samples: int | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         if not (isinstance(self.step, Real) and 0.0 < self.step < np.inf):
             raise ValueError(f"Gauss(step={self.step!r}): expected a positive number of seconds")
         if not (isinstance(self.stages, Integral) and 2 <= self.stages <= 5):
             raise ValueError(f"Gauss(stages={self.stages!r}): expected 2, 3, 4 or 5")
+        if self.samples is not None and not (isinstance(self.samples, Integral) and self.stages <= self.samples <= 20):
+            raise ValueError(f"Gauss(samples={self.samples!r}): expected None, or a number from that of the stages, {self.stages}, to 20")
 
     def integrator(self, rtol: float) -> GaussCollocation:
         """The method; its steps are the user's, whatever the tolerance."""
-        return GaussCollocation(int(self.stages), float(self.step))
+        return GaussCollocation(int(self.stages), int(self.samples or self.stages), float(self.step))
 
 
 class Unknowns(NamedTuple):
-    """dq = Q - q0 [s, n]; multipliers [s + 1, m] at Lobatto's points, the last of them zero within a step; stress [s, n_stresses]."""
+    """dq = Q - q0 [s, n]; multipliers [s + 1, m] at Lobatto's points, the last of them zero within a step; stress [k, n_stresses]
+    at the samples."""
 
     dq: Array
     multipliers: Array
@@ -70,7 +83,7 @@ class Unknowns(NamedTuple):
 
 class Memory(NamedTuple):
     """What a step of length h leaves to predict the next: velocities at 0, c, 1 of the step, multipliers at d and their change since
-    the same points of the step before, stresses at c."""
+    the same points of the step before, stresses at the samples."""
 
     h: float
     v: Array
@@ -82,14 +95,15 @@ class Memory(NamedTuple):
 class GaussCollocation:
     """The s-stage method. ``fixed`` is its step."""
 
-    def __init__(self, stages: int, step: float):
-        self.fixed, self.table = step, gauss_lobatto(stages)
-        self.name = f"Gauss collocation, {stages} stages (symplectic, order {2 * stages})"
+    def __init__(self, stages: int, samples: int, step: float):
+        self.fixed, self.table = step, gauss_lobatto(stages, samples)
+        kept = "symplectic" if samples == stages else f"energy-preserving, {samples} samples"
+        self.name = f"Gauss collocation, {stages} stages ({kept}, order {2 * stages})"
         c = self.table.c
         self._at_stages = lagrange(self.table.d, self.table.c)
         nodes, self._powers = np.concatenate(([0.0], c, [1.0])), np.arange(stages + 2)
         self._v_fit = np.linalg.inv((nodes[:, None] - 1.0) ** self._powers)
-        self._stress_fit = np.linalg.inv((c[:, None] - 1.0) ** self._powers[:stages])
+        self._stress_fit = np.linalg.pinv((self.table.samples[:, None] - 1.0) ** self._powers[:stages])
 
     def kept(self, memory: Memory | None) -> None:
         """Nothing: values inside a step are the ends of shorter ones."""
@@ -120,15 +134,16 @@ class GaussCollocation:
         """By the polynomial through the velocities of the last step; from a start, by constant velocity."""
         c, s, memory = self.table.c, self.table.stages, state.memory
         if memory is None:
-            stress, multipliers = np.tile(state.stress, (s, 1)), np.tile(state.multipliers, (s + 1, 1))
+            stress, multipliers = np.tile(state.stress, (self.table.samples.size, 1)), np.tile(state.multipliers, (s + 1, 1))
             dq = np.outer(np.append(c, 0.5), h * state.v)
         else:
             x = np.append(c, 0.5)[:, None] * (h / memory.h)
             dq = memory.h * (x ** (self._powers + 1) / (self._powers + 1) @ self._v_fit @ memory.v)
-            stress = x[:-1] ** self._powers[:s] @ self._stress_fit @ memory.stress
+            ahead = self.table.samples[:, None] * (h / memory.h)
+            stress = ahead ** self._powers[:s] @ self._stress_fit @ memory.stress
             multipliers = memory.multipliers + h / memory.h * memory.trend
         multipliers[-1] = 0.0
-        middle = Middle(state.q + dq[-1], state.v, state.multipliers, self.table.b @ stress)
+        middle = Middle(state.q + dq[-1], state.v, state.multipliers, self.table.sample_weights @ stress)
         return Unknowns(dq[:-1], multipliers, stress), middle
 
     def inside(self, system: System, linear: Linear, before: State, after: State, times: Array) -> tuple[Array, Array]:
@@ -172,7 +187,7 @@ class Equations:
 
     def __init__(self, system: System, linear: Linear, table: GaussLobatto, h: float, state: State):
         self.system, self.linear, self.table, self.h, self.q0, self.v0 = system, linear, table, h, state.q, state.v
-        self.inputs, self.middle_inputs = system.inputs(state.t + table.c * h), system.inputs(state.t + 0.5 * h)
+        self.inputs, self.middle_inputs = system.inputs(state.t + table.samples * h), system.inputs(state.t + 0.5 * h)
         self.goal = targets(system.inputs(state.t + table.d[1:] * h))
 
     def derivatives(self, middle: Middle) -> Linearised:
@@ -187,17 +202,17 @@ class Equations:
 
     def middle(self, x: Unknowns) -> Middle:
         b = self.table.b
-        return Middle(self.q0 + b @ x.dq, b @ self.velocity(x.dq), b @ self.table.pull @ x.multipliers, b @ x.stress)
+        return Middle(self.q0 + b @ x.dq, b @ self.velocity(x.dq), b @ self.table.pull @ x.multipliers, self.table.sample_weights @ x.stress)
 
     def correct(self, x: Unknowns, at: Linearised) -> tuple[Unknowns, float, Array]:
         """The next iterate, the size of its change as a length, and the residual of g [s, m]."""
-        system, table, q, v = self.system, self.table, self.q0 + x.dq, self.velocity(x.dq)
-        joints, stress = system.joints.at(self.points(x.dq)), x.stress
-        r2 = system.mass(self.velocity(v - self.v0)) - system.load(q, self.inputs)
+        system, table, v = self.system, self.table, self.velocity(x.dq)
+        q, joints, stress = self.q0 + table.spread @ x.dq, system.joints.at(self.points(x.dq)), x.stress
+        r2 = system.mass(self.velocity(v - self.v0)) - table.gather @ np.broadcast_to(system.load(q, self.inputs), q.shape)
         if system.n_stresses:
             strains = system.strains(q)
-            r5 = system.stress(strains, v) - stress
-            r2 = r2 + strains.pull(stress) + at.pull(r5)
+            r5 = system.stress(strains, table.slope @ v) - stress
+            r2 = r2 + table.gather @ (strains.pull(stress) + at.pull(r5))
         if system.m:
             r2 = r2 + table.pull @ joints.pull(x.multipliers)
         g = joints.value[1:] - self.goal.value
@@ -205,7 +220,7 @@ class Equations:
         multipliers = x.multipliers.copy()
         multipliers[:-1] += table.pull_inverse @ y
         if system.n_stresses:
-            stress = stress + r5 + at.stress_change(dq, self.velocity(dq))
+            stress = stress + r5 + at.stress_change(table.spread @ dq, table.slope @ self.velocity(dq))
         return Unknowns(x.dq + dq, multipliers, stress), float(np.max(np.abs(dq) * system.levers)), g
 
     def end(self, x: Unknowns) -> tuple[Array, Array, Array]:

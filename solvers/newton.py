@@ -82,6 +82,7 @@ def _simplified(equations: StageEquations, linear: Linear, x: Stages, middle: Mi
         x, size, g = equations.correct(x, at)
         verdict = watch.judge(k, x, size)
         if k > 2 and fresh and watch.ratio > SLOW and verdict not in (CONVERGED, OVERFLOW):
+            del at  # its factors make room for the new ones
             at, fresh = at_middle(middle_of(equations, x)), False
             watch.forget()
         elif verdict:

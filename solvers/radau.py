@@ -91,14 +91,14 @@ class RadauIIA:
                 return self._refused(found, linear)
             x, at = found.x, found.at
             error = self._error(equations, linear, state, x, at, tolerance)
-            q, v = state.q + x.dq[-1], x.v[-1]
+            q, v = state.q + x.dq[-1], x.v[-1].copy()  # not a view: states are kept, and all stages would be with them
             if not system.joints.linear:
                 q, v = self._landed(system, linear, q, v, targets(inputs))
         except (Singular, Inconsistent) as trouble:
             return Attempt(None, np.inf, 1.0, 1.0, 0, f"singular equations ({trouble})")
         memory = Memory(h, state.q, state.v, state.stress, x, table.stages)
         nodes = (state.t + table.c * h, state.q + x.dq, x.v, table.b * h)
-        after = State(state.t + h, q, v, x.multipliers[-1], x.stress[-1], memory)
+        after = State(state.t + h, q, v, x.multipliers[-1].copy(), x.stress[-1].copy(), memory)
         return Attempt(after, error, table.stages + 1.0, found.rate, found.solves, nodes=nodes, multipliers=x.multipliers)
 
     def _landed(self, system: System, linear: Linear, q: Array, v: Array, goal: Targets) -> tuple[Array, Array]:

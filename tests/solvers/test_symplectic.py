@@ -16,7 +16,7 @@ ROUNDING = 2e-15
 
 @pytest.mark.parametrize("s", range(1, 8))
 def test_coefficients(s):
-    t = GaussLobatto(s)
+    t = GaussLobatto(s, s)
     a, reach = np.linalg.inv(t.inverse), t.ends @ np.linalg.inv(t.inverse)
     k = np.arange(1, 2 * s + 1)[:, None]
     assert np.abs(t.c ** (k - 1) @ t.b - 1 / k.ravel()).max() < ROUNDING, "Gauss: order 2 s"
@@ -26,6 +26,18 @@ def test_coefficients(s):
     pair = t.b[:, None] * (a @ t.pull)[:, 1:] + (t.weights[1:, None] * reach).T - np.outer(t.b, t.weights[1:])
     assert np.abs(pair).max() < 10 * ROUNDING, "and so is the pair"
     assert np.abs(t.pull.sum(axis=1) - 1.0).max() < 50 * ROUNDING and abs(t.kick.sum()) < 10 * ROUNDING, "constant forces act as such"
+
+
+@pytest.mark.parametrize("s, k", [(2, 3), (2, 8), (3, 10), (5, 20)])
+def test_forces_at_more_samples(s, k):
+    t, x = GaussLobatto(s, k), np.linspace(0.1, 0.7, s)
+    for degree in range(s):
+        force = t.samples**degree
+        np.testing.assert_allclose(t.gather @ force, t.c**degree, atol=1e-14)
+        np.testing.assert_allclose(t.slope @ t.c**degree, force, atol=1e-14)
+        np.testing.assert_allclose(t.spread @ t.c ** (degree + 1), force * t.samples, atol=1e-14)
+    at_stages, everywhere = t.inverse @ x, t.slope @ (t.inverse @ x)  # the work of any force along the polynomial is that of its projection
+    np.testing.assert_allclose(t.b @ (at_stages * (t.gather @ np.exp(t.samples))), t.sample_weights @ (everywhere * np.exp(t.samples)), rtol=1e-14)
 
 
 def spring_pendulum(damping):
@@ -53,6 +65,23 @@ def test_order(stages, counts, damping):
     found = -np.diff(np.log(errors), axis=0) / np.diff(np.log(counts))[:, None]
     # The bound. With 5 stages and so few steps some leading terms in q cancel: velocities, which have the larger errors, tell the order.
     assert np.abs((found[:, 1:] if stages == 5 else found) - 2 * stages).max() < 0.3, found
+
+
+def test_order_with_more_samples():
+    scene, errors = spring_pendulum(0.0), []
+    true = mbd.simulate(scene, 1.0, rtol=1e-13, solver=mbd.Radau(stages=7)).final
+    for count in (60, 120):
+        errors.append(np.abs(mbd.simulate(scene, 1.0, solver=Gauss(1.0 / count, samples=6)).final.v - true.v).max())
+    assert abs(np.log2(errors[0] / errors[1]) - 4.0) < 0.3
+
+
+def test_more_samples_keep_the_energy_of_a_motion_that_steps_do_not_resolve():
+    scene = machines.flexible_pendulum(n_elements=10)[0]
+    lost = []
+    for samples in (None, 8):
+        energy = mbd.simulate(scene, 1.5, solver=Gauss(2**-8, samples=samples)).energy.total
+        lost.append(np.abs(energy - energy[0]).max())
+    assert lost[0] > 1e-3 and lost[1] < 1e-5 * lost[0], lost
 
 
 def test_it_needs_no_mechanics():
