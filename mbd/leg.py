@@ -13,10 +13,11 @@ from .assembly import Assembly
 from .errors import SimulationError
 from .event import Event
 from .parts import Part
-from .signal import OneSided, discontinuities, from_inside, stops
+from .signal import OneSided, discontinuities, stops
 from .system import System
 from .trajectory import Trajectory
 from .watch import Watch
+from .work import Work
 
 if TYPE_CHECKING:
     from .solvers.protocol import Attempt
@@ -44,7 +45,8 @@ def travel(part: Part, start: Assembly, solver: Any, t_end: float, rtol: float, 
     stress = system.stress(system.strains(begin.q), begin.v) if system.n_stresses else np.zeros(0)
     record = Record([SolverState(begin.t, begin.q, begin.v, np.zeros(system.m), stress)])
     watch = Watch(events, system, linear, method, rtol * system.length) if events else None
-    trouble = _march(system, linear, method, record, t_end, rtol * system.length, jumps, _watching(watch, bar))
+    work = Work(system, jumps)
+    trouble = _march(system, linear, method, record, t_end, rtol * system.length, jumps, work, _watching(watch, bar))
     stats = {
         "solver": method.name,
         "linear algebra": f"{linear.format.name}, {linear.size} unknowns",
@@ -56,10 +58,12 @@ def travel(part: Part, start: Assembly, solver: Any, t_end: float, rtol: float, 
         "factorizations": linear.factorizations,
         "wall time": time.perf_counter() - clock,
     }
-    return Leg(Trajectory.of(part, record, solver, method, linear), stats, trouble, watch)
+    return Leg(Trajectory.of(part, record, work.done(), solver, method, linear), stats, trouble, watch)
 
 
-def _march(system: System, linear: Any, method: Any, record: Any, t_end: float, tolerance: float, jumps: Array, look: Any) -> SimulationError | None:
+def _march(
+    system: System, linear: Any, method: Any, record: Any, t_end: float, tolerance: float, jumps: Array, work: Work, look: Any
+) -> SimulationError | None:
     """To t_end; returns what stopped it before."""
     from .solvers.march import march
     from .solvers.start import accelerations, mass_factor
@@ -67,13 +71,13 @@ def _march(system: System, linear: Any, method: Any, record: Any, t_end: float, 
     first = record.states[0]
     if not t_end > first.t:
         return None
-    halts, work = stops(jumps, first.t, t_end), _work(system, jumps)
+    halts = stops(jumps, first.t, t_end)
     try:
         a, multipliers = accelerations(system, mass_factor(system, linear, first.q), first.q, first.v, system.inputs(first.t))
         record.states[0] = first = first._replace(multipliers=multipliers)
         h = method.first_step(system, first, a, t_end - first.t, tolerance)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # a diverging iteration is detected and rejected
-            march(system, linear, method, record, t_end, tolerance, h, stops=halts, work=work, watch=look)
+            march(system, linear, method, record, t_end, tolerance, h, stops=halts, note=work, watch=look)
     except SimulationError as error:
         return error
     except KeyboardInterrupt:
@@ -92,19 +96,6 @@ def _watching(watch: Watch | None, bar: Callable[[float], None] | None) -> Calla
         return last
 
     return look
-
-
-def _work(system: System, jumps: Array) -> Callable[[Attempt], float]:
-    """The work of loads, drives and dampers over a step, by the step's own quadrature; nothing is evaluated where nothing does any."""
-    if not system.exchanges:
-        return lambda attempt: 0.0
-
-    def work(attempt: Attempt) -> float:
-        assert attempt.nodes is not None
-        t, q, v, weights = attempt.nodes
-        return float(weights @ system.power(q, v, from_inside(system, jumps, t[0], t[-1]).inputs(t), attempt.multipliers))
-
-    return work
 
 
 def _failure(system: System, record: Any) -> SimulationError:

@@ -34,10 +34,10 @@ class Trajectory:
     linear: Any
 
     @classmethod
-    def of(cls, part: Part, record: Any, solver: Any, method: Any, linear: Any) -> Trajectory:
+    def of(cls, part: Part, record: Any, work: Array, solver: Any, method: Any, linear: Any) -> Trajectory:
         states = record.states
         t, q, v = (np.array([getattr(state, name) for state in states]) for name in "tqv")
-        return cls(part, t, q, v, np.array(record.work), states, solver, method, linear)
+        return cls(part, t, q, v, work, states, solver, method, linear)
 
     @property
     def end(self) -> State:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from .linear import Linear
 from .pace import Pace
@@ -16,7 +16,6 @@ class Record:
     """Accepted states of a run and what it cost."""
 
     states: list[State]
-    work: list[float] = field(default_factory=lambda: [0.0])
     steps: int = 0
     rejected: int = 0
     failed: int = 0
@@ -24,9 +23,8 @@ class Record:
     failure: str = ""
     worst: int = -1
 
-    def accept(self, state: State, work: float) -> None:
+    def accept(self, state: State) -> None:
         self.steps += 1
-        self.work.append(self.work[-1] + work)
         self.states.append(state)
 
     def refuse(self, attempt: Attempt) -> None:
@@ -44,13 +42,14 @@ def march(
     first_step: float,
     *,
     stops: Sequence[float] = (),
-    work: Callable[[Attempt], float] = lambda attempt: 0.0,
+    note: Callable[[Attempt], None] = lambda attempt: None,
     watch: Callable[[State, Attempt], Attempt | None] = lambda before, attempt: None,
 ) -> None:
     """Steps from the record's last state to t_end. Stops early, with ``failure`` set, where steps become too short.
 
     stops  ascending times before t_end: steps end on them, and the next starts anew, as no forecast reaches across what may jump there
-    watch  sees each step before it is recorded; it may give a shorter one in its place, with which the run ends
+    note   is told of each step as it was recorded
+    watch  sees each step before that; it may give a shorter one in its place, with which the run ends
     """
     state = record.states[-1]
     pace = Pace(state.t, (*stops, t_end), first_step, method.fixed)
@@ -65,7 +64,8 @@ def march(
             if last is not None and last.state is not None:
                 attempt, landed, t_end = last, last.state, last.state.t
                 record.solves += last.solves
-            record.accept(landed._replace(memory=method.kept(landed.memory)), work(attempt))
+            record.accept(landed._replace(memory=method.kept(landed.memory)))
+            note(attempt)
             state = landed if stop is None else landed._replace(memory=None)
             continue
         record.refuse(attempt)
