@@ -21,6 +21,7 @@ if not (_here / "elements").is_dir():
 if TYPE_CHECKING:
     from .archive import load
     from .assembly import assemble
+    from .driven import kinematics
     from .elements import AncfCable, Force, Particle, RigidBody, Spring, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from .signal import piecewise
     from .solvers import Automatic, DormandPrince, Gauss, GeneralizedAlpha, Radau
     from .state import State
+    from .structure import Structure, check
     from .target import Motion
 
 _HOMES = {
@@ -49,6 +51,8 @@ _HOMES = {
     "assembly": ("assemble",),
     "run": ("simulate",),
     "state": ("State",),
+    "structure": ("Structure", "check"),
+    "driven": ("kinematics",),
     "precision": ("WorkPrecision", "work_precision"),
     "target": ("Motion",),
 }
@@ -83,11 +87,14 @@ __all__ = [
     "Slider",
     "Spring",
     "State",
+    "Structure",
     "Torque",
     "TorsionSpring",
     "WorkPrecision",
     "__version__",
     "assemble",
+    "check",
+    "kinematics",
     "load",
     "piecewise",
     "simulate",

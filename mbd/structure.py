@@ -1,0 +1,263 @@
+"""``check``: what a scene is made of, how it can move, what its joints hold twice, and how to mend that; as data and in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .affine import Array
+from .dependence import Spaces, minimal_sets, rank_of, scaled_gradient, spaces
+from .edits import Edit, propose
+from .errors import SceneError
+from .motions import LISTED, motions
+from .parts import Part, components
+from .starts import starts, together
+from .state import State
+from .system import System
+from .topology import bodies, joints, loops
+
+if TYPE_CHECKING:
+    from .scene import Scene
+    from .solvers.linear import Linear
+
+NEARBY = 0.02
+"""Poses nearby are this share of the scene's length away."""
+
+
+@dataclass(frozen=True)
+class Redundancy:
+    """The smallest set of joints (and drives) some of whose equations follow from the others.
+
+    equations   of each joint those that take part: the labels of the reactions that are indeterminate
+    count       how many equations are too many in this pose
+    elsewhere   and in poses nearby; None where the mechanism has no other pose
+    drives      the members that are drives
+    edit        equations to release so that the set holds everything once
+    """
+
+    equations: dict[str, tuple[str, ...]]
+    count: int
+    elsewhere: int | None
+    drives: tuple[str, ...]
+    edit: tuple[Edit, ...]
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        return tuple(self.equations)
+
+    @property
+    def generic(self) -> bool:
+        """Whether it holds in other poses too, as far as there are any."""
+        return self.elsewhere is None or self.elsewhere > 0
+
+    @property
+    def singular(self) -> bool:
+        """Whether this pose is worse than those nearby."""
+        return self.elsewhere is not None and self.elsewhere < self.count
+
+    def __str__(self) -> str:
+        where = "in the only pose there is" if self.elsewhere is None else "in every pose" if self.generic else "in this pose only"
+        alike: dict[tuple[str, ...], list[str]] = {}
+        for name, labels in self.equations.items():
+            alike.setdefault(labels, []).append(name)
+        members = "; ".join(f"{', '.join(map(repr, names))} ({', '.join(labels)})" for labels, names in alike.items())
+        lines = [f"{self.count} equation{'s' * (self.count > 1)} too many {where} among {members}"]
+        if self.singular:
+            lines.append("  " + self._singular())
+        if self.generic:
+            lines.append("  their reactions are indeterminate in these equations" + (f"; {' and '.join(map(str, self.edit))}" if self.edit else ""))
+        return "\n".join(lines)
+
+    def _singular(self) -> str:
+        if self.drives:
+            return f"singular: a dead centre of {', '.join(map(repr, self.drives))}, which cannot drive the mechanism through this pose"
+        return "singular: bars or axes come into line here, and the mechanism may go on in more than one way"
+
+
+@dataclass(frozen=True)
+class Structure:
+    """What ``check`` found.
+
+    bodies, joints  names; parts, names of the items of each independent part; loops, names of bodies and joints in turn
+    count           coordinates less equations, drives left aside (Gruebler, Kutzbach)
+    freedoms        the degrees of freedom, by the rank of G in this pose, drives left aside
+    driven          how many equations are driven
+    free            the degrees of freedom that drives leave
+    redundant       sets of joints that hold something twice; indeterminate: the joints whose reactions are not unique because of it
+    unheld          coordinates with neither inertia nor a joint to determine them
+    motions         a line for each free motion, where there are not too many
+    complaints      why the scene cannot be assembled; the rest is then said of it as described
+    """
+
+    bodies: tuple[str, ...]
+    joints: tuple[str, ...]
+    parts: tuple[tuple[str, ...], ...]
+    loops: tuple[tuple[str, ...], ...]
+    count: int
+    freedoms: int
+    driven: int
+    free: int
+    redundant: tuple[Redundancy, ...]
+    unheld: tuple[str, ...]
+    motions: tuple[str, ...]
+    complaints: tuple[str, ...]
+
+    @property
+    def indeterminate(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(name for each in self.redundant if each.generic for name in each.joints))
+
+    @property
+    def singular(self) -> bool:
+        """Whether this pose is singular: a dead centre, bars in line."""
+        return any(each.singular for each in self.redundant)
+
+    def __str__(self) -> str:
+        lines = [*(f"cannot be assembled: {line}" for line in self.complaints)]
+        lines.append(f"{_many(self.bodies, 'body', 'bodies')}, {_many(self.joints, 'joint')}, {_many(self.parts, 'independent part')}")
+        lines += [f"loop: {', '.join(map(repr, way))}" for way in self.loops]
+        driven = f", {self.driven} driven, {self.free} free" if self.driven else ""
+        lines.append(f"degrees of freedom: {self.freedoms} by rank, {self.count} by count (coordinates less equations){driven}")
+        lines += [f"free motion: {line}" for line in self.motions]
+        if self.free > len(self.motions):
+            lines.append(f"free motions: {self.free - len(self.motions)} more, too many to describe")
+        lines += [str(each) for each in self.redundant]
+        lines += [f"neither inertia nor a joint determines {name}; give it mass or hold it" for name in self.unheld]
+        return "\n".join(lines)
+
+
+def check(scene: Scene, start: State | None = None) -> Structure:
+    """The structure of a scene, at its assembled start or at a given state: bodies, joints, loops, degrees of freedom, redundant joints,
+    singular positions, indeterminate reactions, free motions. ``print`` it.
+
+    Ranks count singular values of the scaled G above 1e-9 of the largest. Raises SceneError for a scene that cannot be built.
+    """
+    system, parts = scene.build(), scene.parts()
+    state = start or State(system.q0, system.v0)
+    state.check(system)
+    complaints: list[str] = []
+    try:
+        state = together(starts(parts, state), parts, system.n).state
+    except SceneError as error:
+        complaints = error.complaints
+    found = [_Pose(scene, part, state) for part in parts]
+    driven = int(np.sum(_driven(system)))
+    return Structure(
+        bodies=tuple(bodies(scene)),
+        joints=tuple(joints(system)),
+        parts=tuple(tuple(item.name for item in group) for group in components(scene)),
+        loops=tuple(loops(scene)),
+        count=system.n - system.m + driven,
+        freedoms=sum(each.freedoms for each in found),
+        driven=driven,
+        free=sum(each.free for each in found),
+        redundant=tuple(set_ for each in found for set_ in each.redundancies()),
+        unheld=tuple(name for each in found for name in each.unheld()),
+        motions=tuple(line for each in found for line in each.motions()),
+        complaints=tuple(complaints),
+    )
+
+
+def indeterminate(scene: Scene, state: State) -> tuple[str, ...]:
+    """The joints whose reactions are not unique, in poses near a state on the joints."""
+    found = [_Pose(scene, part, state) for part in scene.parts()]
+    return tuple(dict.fromkeys(name for each in found for set_ in each.redundancies() if set_.generic for name in set_.joints))
+
+
+def free_motions(scene: Scene, part: Part, state: State) -> list[str]:
+    """The motions of one part, in words, that neither joints nor drives determine."""
+    found = _Pose(scene, part, state)
+    return found.motions() or [f"{found.free} degrees of freedom of {part.items[0]!r} and others"] * bool(found.free)
+
+
+def dead_centres(scene: Scene, part: Part, state: State) -> list[str]:
+    """The joints and drives of one part that hold something twice at a state, but not nearby."""
+    return list(dict.fromkeys(name for each in _Pose(scene, part, state).redundancies() if each.singular for name in each.joints))
+
+
+def _driven(system: System) -> NDArray[np.bool_]:
+    found = np.zeros(system.m, dtype=bool)
+    for rows, _ in system.joints.drives:
+        found[rows] = True
+    return found
+
+
+class _Pose:
+    """One part of a scene in one pose. ``unlocked``: what its G spans without drives."""
+
+    def __init__(self, scene: Scene, part: Part, state: State):
+        from .solvers.linear import Linear
+        from .solvers.start import redundancy
+
+        self.scene, self.part, self.q_whole = scene, part, state.q
+        self.system, self.q = part.system, state.q[part.columns]
+        self.linear: Linear = Linear(self.system, self.q)
+        self.driven = _driven(self.system)
+        self.defect: Any = redundancy(self.system, self.linear, self.q)
+        units = self.linear.scale[: self.system.n]
+        full = self.system.n - self.system.m
+        if self.defect is None and full > LISTED:  # G has full rank, and its motions are too many to be described
+            nothing = np.zeros((self.system.m, 0))
+            self.found = self.unlocked = Spaces(self.system.m, nothing, np.zeros((self.system.n, 0)), units)
+            self.free, self.freedoms = full, full + int(np.sum(self.driven))
+            return
+        self.gradient, _ = scaled_gradient(self.system, units, self.q)
+        self.found = spaces(self.gradient, units)
+        self.unlocked = spaces(self.gradient[~self.driven], units) if self.driven.any() else self.found
+        self.free, self.freedoms = (self.system.n - each.rank for each in (self.found, self.unlocked))
+
+    def motions(self) -> list[str]:
+        return motions(self.scene, self.part, self.found, self.q_whole) if 0 < self.free <= LISTED and self.found.right.shape[1] else []
+
+    def unheld(self) -> list[str]:
+        return [self.system.coordinate(k) for k in self.defect.coordinates] if self.defect else []
+
+    def redundancies(self) -> list[Redundancy]:
+        if not self.found.left.shape[1]:
+            return []
+        labels, names = self.system.joints.labels, joints(self.system)
+        groups = [np.array([row for row, (name, _) in enumerate(labels) if name == each]) for each in names]
+        drives = list(dict.fromkeys(labels[row][0] for row in np.flatnonzero(self.driven)))
+        sets, others = [], self._gradients_nearby()
+        for members, vectors in minimal_sets(self.found.left, groups):
+            involved = [names[i] for i in members]
+            taking_part = {
+                name: tuple(labels[row][1] for row in groups[names.index(name)] if np.any(np.abs(vectors[row]) > 1e-6)) for name in involved
+            }
+            outside = np.concatenate([np.zeros(0, np.intp), *(group for i, group in enumerate(groups) if i not in members)])
+            own = np.delete(np.arange(self.system.m), outside)
+            elsewhere = min((own.size - rank_of(gradient[own]) for gradient in others), default=None)
+            found = Redundancy(taking_part, vectors.shape[1], elsewhere, tuple(name for name in involved if name in drives), ())
+            if found.generic and not found.singular:
+                basis = np.linalg.svd(vectors, full_matrices=False)[0]
+                found = replace(found, edit=propose(self.scene, self.q_whole, self.gradient, labels, basis, involved, found.drives))
+            sets.append(found)
+        return sets
+
+    def _gradients_nearby(self) -> list[Array]:
+        """The scaled G at some poses nearby that the joints allow, drives let go."""
+        choice, found, levers = np.random.default_rng(1), [], self.system.levers
+        for _ in range(4 if self.unlocked.right.shape[1] else 0):
+            step = self.unlocked.units * (self.unlocked.right @ choice.standard_normal(self.unlocked.right.shape[1]))
+            distance = NEARBY * self.system.length
+            q = self._closed(self.q + step * distance / max(float(np.max(np.abs(step) * levers)), 1e-300))
+            if q is not None and np.max(np.abs(q - self.q) * levers) > 0.1 * distance:
+                found.append(scaled_gradient(self.system, self.unlocked.units, q)[0])
+        return found
+
+    def _closed(self, q: Array) -> Array | None:
+        """q on all equations but the driven ones, by Gauss and Newton's method; None where it does not get there."""
+        for _ in range(30):
+            gap = np.where(self.driven, 0.0, self.system.joints.at(q).value)
+            if np.max(np.abs(gap) * self.linear.reach, initial=0.0) < 1e-11 * self.system.length:
+                return q
+            gradient, sizes = scaled_gradient(self.system, self.unlocked.units, q)
+            gradient[self.driven] = 0.0
+            q = q - self.unlocked.units * np.linalg.lstsq(gradient, gap / sizes, rcond=1e-9)[0]
+        return None
+
+
+def _many(things: tuple[Any, ...], one: str, several: str = "") -> str:
+    return f"{len(things)} {one if len(things) == 1 else several or one + 's'}"
