@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 NEARBY = 0.02
 """Poses nearby are this share of the scene's length away."""
 
+POSES = 3
+"""So many poses nearby tell what holds everywhere: the least redundant counts."""
+
 
 @dataclass(frozen=True)
 class Redundancy:
@@ -226,20 +229,28 @@ class _Pose:
             taking_part = {
                 name: tuple(labels[row][1] for row in groups[names.index(name)] if np.any(np.abs(vectors[row]) > 1e-6)) for name in involved
             }
-            outside = np.concatenate([np.zeros(0, np.intp), *(group for i, group in enumerate(groups) if i not in members)])
-            own = np.delete(np.arange(self.system.m), outside)
+            own = self._with_bodies(np.concatenate([groups[i] for i in members]))
             elsewhere = min((own.size - rank_of(gradient[own]) for gradient in others), default=None)
             found = Redundancy(taking_part, vectors.shape[1], elsewhere, tuple(name for name in involved if name in drives), ())
             if found.generic and not found.singular:
-                basis = np.linalg.svd(vectors, full_matrices=False)[0]
-                found = replace(found, edit=propose(self.scene, self.q_whole, self.gradient, labels, basis, involved, found.drives))
+                basis = np.linalg.svd(vectors[own], full_matrices=False)[0]
+                found = replace(
+                    found, edit=propose(self.scene, self.q_whole, self.gradient[own], [labels[row] for row in own], basis, involved, found.drives)
+                )
             sets.append(found)
         return sets
+
+    def _with_bodies(self, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+        """The equations, and those by which the bodies that they are about hold themselves together."""
+        touched = (self.gradient[rows] != 0.0).any(axis=0)
+        own = np.array([name in self.system.internal for name, _ in self.system.joints.labels]) & (self.gradient[:, touched] != 0.0).any(axis=1)
+        own[rows] = True
+        return np.flatnonzero(own)
 
     def _gradients_nearby(self) -> list[Array]:
         """The scaled G at some poses nearby that the joints allow, drives let go."""
         choice, found, levers = np.random.default_rng(1), [], self.system.levers
-        for _ in range(4 if self.unlocked.right.shape[1] else 0):
+        for _ in range(POSES if self.unlocked.right.shape[1] else 0):
             step = self.unlocked.units * (self.unlocked.right @ choice.standard_normal(self.unlocked.right.shape[1]))
             distance = NEARBY * self.system.length
             q = self._closed(self.q + step * distance / max(float(np.max(np.abs(step) * levers)), 1e-300))
@@ -249,6 +260,16 @@ class _Pose:
 
     def _closed(self, q: Array) -> Array | None:
         """q on all equations but the driven ones, by Gauss and Newton's method; None where it does not get there."""
+        from .solvers.linear import Linear
+        from .solvers.start import Inconsistent, project_positions
+
+        if not self.driven.any():
+            linear = Linear(self.system, q)
+            linear.soften()
+            try:
+                return project_positions(self.system, linear, q)
+            except Inconsistent:
+                return None
         for _ in range(30):
             gap = np.where(self.driven, 0.0, self.system.joints.at(q).value)
             if np.max(np.abs(gap) * self.linear.reach, initial=0.0) < 1e-11 * self.system.length:

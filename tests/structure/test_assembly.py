@@ -86,7 +86,7 @@ def test_the_impossible_is_refused_with_its_distance(far: float) -> None:
 
 def test_a_speed_along_a_rod() -> None:
     """1 m/s along a rigid rod beside 2 m/s across it: the former is taken away and reported, the latter stays."""
-    scene, bob, rod = simple_pendulum()
+    scene, bob, _ = simple_pendulum()
     report = mbd.assemble(scene, mbd.State([-1.0, 0.0], [1.0, 2.0]))
     assert report.state.v == pytest.approx([0.0, 2.0], abs=1e-13)
     found = {(c.quantity, c.item): c.amount for c in report.corrections}
