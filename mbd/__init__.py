@@ -21,6 +21,7 @@ if not (_here / "elements").is_dir():
 if TYPE_CHECKING:
     from .archive import load
     from .assembly import assemble
+    from .diagnosis import Structure
     from .driven import kinematics
     from .elements import AncfCable, Force, Particle, RigidBody, Spring, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from .signal import piecewise
     from .solvers import Automatic, DormandPrince, Gauss, GeneralizedAlpha, Radau
     from .state import State
-    from .structure import Structure, check
+    from .structure import check
     from .target import Motion
 
 _HOMES = {
@@ -51,7 +52,8 @@ _HOMES = {
     "assembly": ("assemble",),
     "run": ("simulate",),
     "state": ("State",),
-    "structure": ("Structure", "check"),
+    "structure": ("check",),
+    "diagnosis": ("Structure",),
     "driven": ("kinematics",),
     "precision": ("WorkPrecision", "work_precision"),
     "target": ("Motion",),

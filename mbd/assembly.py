@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .affine import Array
+from .closing import closed, conflict, distances, driven_rows, quoted
 from .errors import SceneError, SceneWarning
 from .state import State
 from .system import System
@@ -24,12 +24,6 @@ REPORTED = 1e-9
 
 STANDSTILL = 1e-12
 """Lengths of the scene per unit of time that the differences of a drive at rest may leave."""
-
-SHORTEST = 1e-3
-"""The share of all gaps at which closing them bit by bit gives up."""
-
-MOST_PARTS = 10000
-"""Half radians, or half lengths of the scene, between a start and where its drives ask it to be: beyond is a mistake."""
 
 
 @dataclass(frozen=True)
@@ -83,21 +77,21 @@ def consistent(system: System, state: State) -> Assembly:
     linear, redundant = prepare(system, state.q)
     goal = system.inputs(state.t).targets
     try:
-        q = _positions(system, linear, state.q, goal.value)
+        q = closed(system, linear, state.q, goal.value)
         if redundant or _singular(system, linear, q):  # what holds twice in a rough position may not where the joints close, or the reverse
             redundant = _redundant(system, linear, q)
         v = project_velocities(system, mass_factor(system, linear, q), q, state.v, goal.rate)
     except Inconsistent as trouble:
-        raise SceneError([_conflict(system, trouble.defect.rows, trouble.defect.what)]) from None
+        raise SceneError([conflict(system, trouble.defect.rows, trouble.defect.what)]) from None
     except Singular:
         rows = [int(np.argmax(np.abs(system.joints.at(state.q).value - goal.value) * linear.reach))]
-        raise SceneError([_conflict(system, rows, "the joints lock on the way to a position that satisfies them")]) from None
+        raise SceneError([conflict(system, rows, "the joints lock on the way to a position that satisfies them")]) from None
     linear.origin = q
     unmet = (system.joints.at(q).push(v) - goal.rate) * linear.reach
     scale = float(np.max(np.abs(v) * system.levers, initial=0.0))
     if np.max(np.abs(unmet), initial=0.0) > max(1e-6 * scale, STANDSTILL * system.length):
         what = "velocities cannot satisfy them together" + (" (with the drives: a dead centre)" if redundant and system.driven else "")
-        raise SceneError([_conflict(system, [int(np.argmax(np.abs(unmet)))], what)])
+        raise SceneError([conflict(system, [int(np.argmax(np.abs(unmet)))], what)])
     corrections = _corrections(system, linear, state, q, v, goal)
     return Assembly(State(q, v, state.t), tuple(corrections), redundant, linear)
 
@@ -121,85 +115,6 @@ def _singular(system: System, linear: Linear, q: Array) -> bool:
         return True
 
 
-def _positions(system: System, linear: Linear, q: Array, target: Array) -> Array:
-    """q projected to the joints and, in parts of half a radian at most, to the targets of drives: a turn far away would end on the
-    wrong side of its axis, where its equation holds too."""
-    from .solvers.formats import Singular
-    from .solvers.start import Inconsistent, project_positions
-
-    gap = system.joints.at(q).value - target
-    asked = np.where(_driven(system), gap, 0.0)
-    parts = np.ceil(np.max(np.abs(asked) * linear.reach, initial=0.0) / (0.5 * system.length))
-    if not parts < MOST_PARTS:
-        raise SceneError([_conflict(system, [int(np.argmax(np.abs(asked) * linear.reach))], f"a drive that starts at {np.max(np.abs(asked)):.6g}")])
-    try:
-        near = q
-        for left in np.arange(parts - 1, 0, -1):
-            near = project_positions(system, linear, near, target + left / parts * asked)
-        return project_positions(system, linear, near, target)
-    except (Inconsistent, Singular):
-        return _closed_gradually(system, linear, q, target)
-
-
-def _closed_gradually(system: System, linear: Linear, q: Array, target: Array) -> Array:
-    """q where Newton's method failed at once: all gaps are closed bit by bit, from where the items are and, since these may lie in line
-    so that no joint knows which way to go, from a little beside. Raises Inconsistent with the smallest gap that was reached."""
-    from .solvers.start import Defect, Inconsistent
-
-    linear.soften()  # positions on the way may be singular
-    beside = 0.01 * system.length * np.random.default_rng(1).standard_normal(system.n) / np.where(system.levers > 0.0, system.levers, np.inf)
-    found = []
-    for start in (q, q + beside):
-        closed, left, rows = _deformed(system, linear, start, target)
-        if not left:
-            return closed
-        found.append((left, rows))
-    left, rows = min(found)
-    raise Inconsistent(Defect(f"positions cannot satisfy them together (a distance of {left:.6g} remains)", rows, []))
-
-
-def _deformed(system: System, linear: Linear, q: Array, target: Array) -> tuple[Array, float, list[int]]:
-    """q as near to the target as gaps could be closed, all in proportion, by steps that are halved where they fail and doubled where they
-    do not; the largest gap left, as a length, and the equations to blame for it."""
-    from .solvers.formats import Singular
-    from .solvers.start import Inconsistent, project_positions
-
-    own = np.array([item in system.internal for item, _ in system.joints.labels])  # bodies hold themselves together all the way
-    gap = np.where(own, 0.0, system.joints.at(q).value - target)
-    apart, left, step = np.abs(gap) * _distances(system, linear, q), 1.0, 0.25
-    blamed = set(np.flatnonzero(apart > 0.1 * np.max(apart, initial=0.0)).tolist())
-    stuck: list[int] = []
-    while left > 0.0 and step > SHORTEST:
-        try:
-            q = project_positions(system, linear, q, target + max(left - step, 0.0) * gap)
-            left, step = max(left - step, 0.0), 2.0 * step
-        except Singular:
-            step *= 0.5
-        except Inconsistent as failure:
-            step, stuck = 0.5 * step, failure.defect.rows
-    return q, left * float(np.max(apart, initial=0.0)), sorted(blamed | set(stuck))
-
-
-def _distances(system: System, linear: Linear, q: Array) -> Array:
-    """[m]: what turns a residual into the distance that an item would have to move, where the equation is about places; else ``reach``,
-    which counts on turning it about the most effective arm."""
-    joints, d = system.joints, system.dimension
-    places = (system.levers[joints.cols] == 1.0) & (joints.cols < system.n_table)
-    squares = joints.at(q).gradient[places] ** 2
-    keys, slot = np.unique(joints.rows[places] * system.n + joints.cols[places] // d, return_inverse=True)
-    effect = np.zeros(system.m)
-    np.maximum.at(effect, keys // system.n, np.sqrt(np.bincount(slot, squares, minlength=keys.size)))
-    return np.where(effect > 1e-6, 1.0 / np.maximum(effect, 1e-6), linear.reach)
-
-
-def _driven(system: System) -> NDArray[np.bool_]:
-    """[m]: which equations follow targets."""
-    driven = np.zeros(system.m, dtype=bool)
-    for rows, _ in system.joints.drives:
-        driven[rows] = True
-    return driven
-
-
 def _redundant(system: System, linear: Linear, q: Array) -> tuple[str, ...]:
     """The joints that are redundant at q, which the matrix then allows. Raises SceneError for coordinates that nothing determines."""
     from .solvers.start import redundancy
@@ -208,21 +123,11 @@ def _redundant(system: System, linear: Linear, q: Array) -> tuple[str, ...]:
     if defect is None:
         return ()
     if defect.coordinates:
-        where = _names([system.owners[k][0] for k in defect.coordinates])
+        where = quoted([system.owners[k][0] for k in defect.coordinates])
         raise SceneError([f"{where}: expected inertia or joints for every coordinate, found {defect.what}; give it mass or hold it by a joint"])
     linear.soften()
     names = list(dict.fromkeys(system.label(row) for row in defect.rows))
     return tuple(name for name in names if name not in system.internal) or tuple(names)
-
-
-def _conflict(system: System, rows: list[int], what: str) -> str:
-    labels = [system.label(row) for row in rows]
-    names = _names([label for label in labels if label not in system.internal] or labels)
-    return f"joints {names}: expected equations that can hold together, found {what}; correct positions or lengths"
-
-
-def _names(names: list[str]) -> str:
-    return ", ".join(repr(name) for name in dict.fromkeys(names))
 
 
 def _corrections(system: System, linear: Linear, before: State, q: Array, v: Array, goal: Targets) -> list[Correction]:
@@ -230,12 +135,12 @@ def _corrections(system: System, linear: Linear, before: State, q: Array, v: Arr
     was described well: what only driven equations ask of velocities is no correction."""
     found: list[Correction] = []
     speed = max(float(np.max(np.abs(before.v) * system.levers, initial=0.0)), 1e-300)
-    joints, distances = system.joints.at(before.q), _distances(system, linear, before.q)
+    joints, lengths = system.joints.at(before.q), distances(system, linear, before.q)
     for name, unit, residual, moved, scale in (
         ("position", "(length)", joints.value - goal.value, q - before.q, system.length),
-        ("velocity", "(length/time)", np.where(_driven(system), 0.0, joints.push(before.v)), v - before.v, speed),
+        ("velocity", "(length/time)", np.where(driven_rows(system), 0.0, joints.push(before.v)), v - before.v, speed),
     ):
-        gaps = np.abs(residual) * distances
+        gaps = np.abs(residual) * lengths
         if name == "velocity" and np.max(gaps, initial=0.0) <= REPORTED * scale:
             continue
         by_joint: dict[str, float] = {}
@@ -254,7 +159,7 @@ def announce(assembly: Assembly) -> None:
     """A SceneWarning for redundant joints and for a start that had to be corrected."""
     if assembly.redundant:
         warnings.warn(
-            f"redundant joints {_names(list(assembly.redundant))}: some of their equations follow from the others; "
+            f"redundant joints {quoted(list(assembly.redundant))}: some of their equations follow from the others; "
             "the scene runs, its multipliers are those of least norm",
             SceneWarning,
             stacklevel=3,

@@ -1,22 +1,23 @@
-"""``check``: what a scene is made of, how it can move, what its joints hold twice, and how to mend that; as data and in words."""
+"""``check``: what a scene is made of, how it can move, what its joints hold twice, and how to mend that."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .affine import Array
+from .closing import driven_rows
 from .dependence import Spaces, minimal_sets, rank_of, scaled_gradient, spaces
-from .edits import Edit, propose
+from .diagnosis import Redundancy, Structure
+from .edits import propose
 from .errors import SceneError
 from .motions import LISTED, motions
 from .parts import Part, components
 from .starts import starts, together
 from .state import State
-from .system import System
 from .topology import bodies, joints, loops
 
 if TYPE_CHECKING:
@@ -28,107 +29,6 @@ NEARBY = 0.02
 
 POSES = 3
 """So many poses nearby tell what holds everywhere: the least redundant counts."""
-
-
-@dataclass(frozen=True)
-class Redundancy:
-    """The smallest set of joints (and drives) some of whose equations follow from the others.
-
-    equations   of each joint those that take part: the labels of the reactions that are indeterminate
-    count       how many equations are too many in this pose
-    elsewhere   and in poses nearby; None where the mechanism has no other pose
-    drives      the members that are drives
-    edit        equations to release so that the set holds everything once
-    """
-
-    equations: dict[str, tuple[str, ...]]
-    count: int
-    elsewhere: int | None
-    drives: tuple[str, ...]
-    edit: tuple[Edit, ...]
-
-    @property
-    def joints(self) -> tuple[str, ...]:
-        return tuple(self.equations)
-
-    @property
-    def generic(self) -> bool:
-        """Whether it holds in other poses too, as far as there are any."""
-        return self.elsewhere is None or self.elsewhere > 0
-
-    @property
-    def singular(self) -> bool:
-        """Whether this pose is worse than those nearby."""
-        return self.elsewhere is not None and self.elsewhere < self.count
-
-    def __str__(self) -> str:
-        where = "in the only pose there is" if self.elsewhere is None else "in every pose" if self.generic else "in this pose only"
-        alike: dict[tuple[str, ...], list[str]] = {}
-        for name, labels in self.equations.items():
-            alike.setdefault(labels, []).append(name)
-        members = "; ".join(f"{', '.join(map(repr, names))} ({', '.join(labels)})" for labels, names in alike.items())
-        lines = [f"{self.count} equation{'s' * (self.count > 1)} too many {where} among {members}"]
-        if self.singular:
-            lines.append("  " + self._singular())
-        if self.generic:
-            lines.append("  their reactions are indeterminate in these equations" + (f"; {' and '.join(map(str, self.edit))}" if self.edit else ""))
-        return "\n".join(lines)
-
-    def _singular(self) -> str:
-        if self.drives:
-            return f"singular: a dead centre of {', '.join(map(repr, self.drives))}, which cannot drive the mechanism through this pose"
-        return "singular: bars or axes come into line here, and the mechanism may go on in more than one way"
-
-
-@dataclass(frozen=True)
-class Structure:
-    """What ``check`` found.
-
-    bodies, joints  names; parts, names of the items of each independent part; loops, names of bodies and joints in turn
-    count           coordinates less equations, drives left aside (Gruebler, Kutzbach)
-    freedoms        the degrees of freedom, by the rank of G in this pose, drives left aside
-    driven          how many equations are driven
-    free            the degrees of freedom that drives leave
-    redundant       sets of joints that hold something twice; indeterminate: the joints whose reactions are not unique because of it
-    unheld          coordinates with neither inertia nor a joint to determine them
-    motions         a line for each free motion, where there are not too many
-    complaints      why the scene cannot be assembled; the rest is then said of it as described
-    """
-
-    bodies: tuple[str, ...]
-    joints: tuple[str, ...]
-    parts: tuple[tuple[str, ...], ...]
-    loops: tuple[tuple[str, ...], ...]
-    count: int
-    freedoms: int
-    driven: int
-    free: int
-    redundant: tuple[Redundancy, ...]
-    unheld: tuple[str, ...]
-    motions: tuple[str, ...]
-    complaints: tuple[str, ...]
-
-    @property
-    def indeterminate(self) -> tuple[str, ...]:
-        return tuple(dict.fromkeys(name for each in self.redundant if each.generic for name in each.joints))
-
-    @property
-    def singular(self) -> bool:
-        """Whether this pose is singular: a dead centre, bars in line."""
-        return any(each.singular for each in self.redundant)
-
-    def __str__(self) -> str:
-        lines = [*(f"cannot be assembled: {line}" for line in self.complaints)]
-        lines.append(f"{_many(self.bodies, 'body', 'bodies')}, {_many(self.joints, 'joint')}, {_many(self.parts, 'independent part')}")
-        lines += [f"loop: {', '.join(map(repr, way))}" for way in self.loops]
-        driven = f", {self.driven} driven, {self.free} free" if self.driven else ""
-        lines.append(f"degrees of freedom: {self.freedoms} by rank, {self.count} by count (coordinates less equations){driven}")
-        lines += [f"free motion: {line}" for line in self.motions]
-        if self.free > len(self.motions):
-            lines.append(f"free motions: {self.free - len(self.motions)} more, too many to describe")
-        lines += [str(each) for each in self.redundant]
-        lines += [f"neither inertia nor a joint determines {name}; give it mass or hold it" for name in self.unheld]
-        return "\n".join(lines)
 
 
 def check(scene: Scene, start: State | None = None) -> Structure:
@@ -146,7 +46,7 @@ def check(scene: Scene, start: State | None = None) -> Structure:
     except SceneError as error:
         complaints = error.complaints
     found = [_Pose(scene, part, state) for part in parts]
-    driven = int(np.sum(_driven(system)))
+    driven = int(np.sum(driven_rows(system)))
     return Structure(
         bodies=tuple(bodies(scene)),
         joints=tuple(joints(system)),
@@ -180,13 +80,6 @@ def dead_centres(scene: Scene, part: Part, state: State) -> list[str]:
     return list(dict.fromkeys(name for each in _Pose(scene, part, state).redundancies() if each.singular for name in each.joints))
 
 
-def _driven(system: System) -> NDArray[np.bool_]:
-    found = np.zeros(system.m, dtype=bool)
-    for rows, _ in system.joints.drives:
-        found[rows] = True
-    return found
-
-
 class _Pose:
     """One part of a scene in one pose. ``unlocked``: what its G spans without drives."""
 
@@ -197,7 +90,7 @@ class _Pose:
         self.scene, self.part, self.q_whole = scene, part, state.q
         self.system, self.q = part.system, state.q[part.columns]
         self.linear: Linear = Linear(self.system, self.q)
-        self.driven = _driven(self.system)
+        self.driven = driven_rows(self.system)
         self.defect: Any = redundancy(self.system, self.linear, self.q)
         units = self.linear.scale[: self.system.n]
         full = self.system.n - self.system.m
@@ -278,7 +171,3 @@ class _Pose:
             gradient[self.driven] = 0.0
             q = q - self.unlocked.units * np.linalg.lstsq(gradient, gap / sizes, rcond=1e-9)[0]
         return None
-
-
-def _many(things: tuple[Any, ...], one: str, several: str = "") -> str:
-    return f"{len(things)} {one if len(things) == 1 else several or one + 's'}"

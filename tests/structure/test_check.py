@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -185,6 +188,22 @@ def test_other_states() -> None:
     assert not mbd.check(scene).singular
     folded = four_bar(2, ((0, 0), (1, 0), (3, 0), (2, 0)))[0].build()
     assert mbd.check(scene, mbd.State(folded.q0, folded.v0)).singular
+
+
+def test_networkx_is_for_loops_only() -> None:
+    """Neither runs nor kinematics load it."""
+    code = """
+import sys, mbd
+scene = mbd.Scene()
+body = scene.add(mbd.RigidBody(mass=1.0, inertia=1.0, position=(0, 0)))
+scene.add(mbd.Pin(body.at(), scene.ground.at(0, 0)))
+scene.add(mbd.Motor(body, scene.ground, angle=lambda t: t))
+mbd.kinematics(scene, [0.0, 1.0])
+assert "networkx" not in sys.modules
+mbd.check(scene)
+assert "networkx" in sys.modules
+"""
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(__file__).parents[2])
 
 
 @pytest.mark.parametrize("shift,size", [((1e3, -2e3), 1.0), ((0, 0), 1e-3), ((5, 5), 1e3)])
