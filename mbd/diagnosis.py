@@ -15,6 +15,7 @@ class Redundancy:
     equations   of each joint those that take part: the labels of the reactions that are indeterminate
     count       how many equations are too many in this pose
     elsewhere   and in poses nearby; None where the mechanism has no other pose
+    rigid       a free motion seems to exist, but it leads to no other pose: it is infinitesimal
     drives      the members that are drives
     edit        equations to release so that the set holds everything once
     """
@@ -22,6 +23,7 @@ class Redundancy:
     equations: dict[str, tuple[str, ...]]
     count: int
     elsewhere: int | None
+    rigid: bool
     drives: tuple[str, ...]
     edit: tuple[Edit, ...]
 
@@ -37,10 +39,11 @@ class Redundancy:
     @property
     def singular(self) -> bool:
         """Whether this pose is worse than those nearby."""
-        return self.elsewhere is not None and self.elsewhere < self.count
+        return self.rigid or (self.elsewhere is not None and self.elsewhere < self.count)
 
     def __str__(self) -> str:
         where = "in the only pose there is" if self.elsewhere is None else "in every pose" if self.generic else "in this pose only"
+        where = f"here ({self.elsewhere} in every pose)" if self.generic and self.singular and not self.rigid else where
         alike: dict[tuple[str, ...], list[str]] = {}
         for name, labels in self.equations.items():
             alike.setdefault(labels, []).append(name)
@@ -53,6 +56,8 @@ class Redundancy:
         return "\n".join(lines)
 
     def _singular(self) -> str:
+        if self.rigid:
+            return "singular: bars or axes are in line, and what seems a free motion is infinitesimal: it leads to no other pose"
         if self.drives:
             return f"singular: a dead centre of {', '.join(map(repr, self.drives))}, which cannot drive the mechanism through this pose"
         return "singular: bars or axes come into line here, and the mechanism may go on in more than one way"

@@ -123,22 +123,24 @@ class _Pose:
                 name: tuple(labels[row][1] for row in groups[names.index(name)] if np.any(np.abs(vectors[row]) > 1e-6)) for name in involved
             }
             own = self._with_bodies(np.concatenate([groups[i] for i in members]))
-            elsewhere = min((own.size - rank_of(gradient[own]) for gradient in others), default=None)
-            found = Redundancy(taking_part, vectors.shape[1], elsewhere, tuple(name for name in involved if name in drives), ())
-            if found.generic and not found.singular:
-                basis = np.linalg.svd(vectors[own], full_matrices=False)[0]
-                found = replace(
-                    found, edit=propose(self.scene, self.q_whole, self.gradient[own], [labels[row] for row in own], basis, involved, found.drives)
-                )
+            usual = max((gradient[own] for gradient in others), key=rank_of, default=None)
+            elsewhere = None if usual is None else own.size - rank_of(usual)
+            lead_nowhere = usual is None and self.unlocked.right.shape[1] > 0
+            found = Redundancy(taking_part, vectors.shape[1], elsewhere, lead_nowhere, tuple(name for name in involved if name in drives), ())
+            if found.generic:
+                local = self.gradient[own] if usual is None else usual
+                basis, told = spaces(local, self.found.units).left, [labels[row] for row in own]
+                found = replace(found, edit=propose(self.scene, self.q_whole, local, told, basis, involved, found.drives))
             sets.append(found)
         return sets
 
     def _with_bodies(self, rows: NDArray[np.intp]) -> NDArray[np.intp]:
         """The equations, and those by which the bodies that they are about hold themselves together."""
-        touched = (self.gradient[rows] != 0.0).any(axis=0)
-        own = np.array([name in self.system.internal for name, _ in self.system.joints.labels]) & (self.gradient[:, touched] != 0.0).any(axis=1)
-        own[rows] = True
-        return np.flatnonzero(own)
+        pattern_rows, pattern_cols = self.system.joints.rows, self.system.joints.cols
+        touched = np.isin(pattern_cols, pattern_cols[np.isin(pattern_rows, rows)])
+        near = np.unique(pattern_rows[touched])
+        internal = [row for row in near.tolist() if self.system.label(row) in self.system.internal]
+        return np.union1d(rows, np.array(internal, dtype=np.intp))
 
     def _gradients_nearby(self) -> list[Array]:
         """The scaled G at some poses nearby that the joints allow, drives let go."""

@@ -82,7 +82,21 @@ def test_a_spatial_machine_in_line_is_both() -> None:
     """Folded flat in space: three equations too many everywhere, a fourth in this pose."""
     report = mbd.check(four_bar(3, ((0, 0), (1, 0), (3, 0), (2, 0)))[0])
     assert report.freedoms == 2 and report.singular and report.indeterminate == PINS
-    assert sum(found.count for found in report.redundant) == 4 and sum(found.elsewhere or 0 for found in report.redundant) == 3
+    (found,) = report.redundant
+    assert found.count == 4 and found.elsewhere == 3 and "here (3 in every pose)" in str(found)
+    assert [(edit.joint, edit.becomes) for edit in found.edit] == [("pin 4", "point on line")]
+
+
+def test_bars_in_line_between_fixed_points() -> None:
+    """Two bars in line: by rank they may move, and yet there is no other pose."""
+    scene = mbd.Scene()
+    middle = scene.add(mbd.Particle(1.0, (1, 0), name="middle"))
+    for name, x in (("left", 0), ("right", 2)):
+        scene.add(mbd.Distance(middle.at(), scene.ground.at(x, 0), name=name))
+    report = mbd.check(scene)
+    (found,) = report.redundant
+    assert report.freedoms == 1 and found.rigid and found.singular and found.joints == ("left", "right")
+    assert "infinitesimal" in str(report) and report.motions == ("'middle' slides along (0, 1)",)
 
 
 def test_a_dead_centre_names_the_drive() -> None:
