@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from .assembly import assemble
     from .balance import Equilibrium
     from .branches import continuation
+    from .diagnosis import Structure
+    from .driven import kinematics
     from .elements import PD, AncfCable, Force, ForceLaw, Particle, RigidBody, Spring, Stop, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
@@ -60,6 +62,7 @@ if TYPE_CHECKING:
     from .solvers import Automatic, DormandPrince, Gauss, GeneralizedAlpha, Radau
     from .state import State
     from .statics import equilibrium
+    from .structure import check
     from .target import Motion
     from .vibration import Modes, modes
 
@@ -103,6 +106,9 @@ _HOMES = {
     "paths": ("Bifurcation", "Branch"),
     "statics": ("equilibrium",),
     "state": ("State",),
+    "structure": ("check",),
+    "diagnosis": ("Structure",),
+    "driven": ("kinematics",),
     "precision": ("WorkPrecision", "work_precision"),
     "target": ("Motion",),
     "linearisation": ("Linearization", "linearize"),
@@ -158,6 +164,7 @@ __all__ = [
     "Spring",
     "State",
     "Stop",
+    "Structure",
     "Torque",
     "TorsionSpring",
     "Universal",
@@ -165,8 +172,10 @@ __all__ = [
     "WorkPrecision",
     "__version__",
     "assemble",
+    "check",
     "continuation",
     "equilibrium",
+    "kinematics",
     "linearize",
     "load",
     "modes",

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .affine import Array
+from .closing import closed, conflict, distances, driven_rows, quoted
 from .errors import SceneError, SceneWarning
 from .state import State
 from .system import System
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 REPORTED = 1e-9
 """Corrections below this share of the scene's length and speed are rounding, not worth a word."""
 
-MOST_PARTS = 10000
-"""Half radians, or half lengths of the scene, between a start and where its drives ask it to be: beyond is a mistake."""
+STANDSTILL = 1e-12
+"""Lengths of the scene per unit of time that the differences of a drive at rest may leave."""
 
 
 @dataclass(frozen=True)
@@ -58,13 +58,16 @@ class Assembly:
 def assemble(scene: Scene, start: State | None = None) -> Assembly:
     """Consistent positions and velocities of a scene, with a report of what was moved.
 
-    Positions, then velocities, are projected to the joints with the least motion in the sense of the mass matrix.
+    Positions, then velocities, are projected to the joints with the least motion in the sense of the mass matrix; from rough positions,
+    which that cannot close in one go, gaps are closed bit by bit. Parts that nothing connects are assembled separately.
     Raises SceneError, by name, for joints that cannot be satisfied together and for parts without inertia.
     """
-    system = scene.build()
+    from .starts import starts, together
+
+    system, parts = scene.build(), scene.parts()
     state = start or State(system.q0, system.v0)
     state.check(system)
-    return consistent(system, state)
+    return together(starts(parts, state), parts, system.n)
 
 
 def consistent(system: System, state: State) -> Assembly:
@@ -74,18 +77,21 @@ def consistent(system: System, state: State) -> Assembly:
     linear, redundant = prepare(system, state.q)
     goal = system.inputs(state.t).targets
     try:
-        q = _positions(system, linear, state.q, goal.value)
+        q = closed(system, linear, state.q, goal.value)
+        if redundant or _singular(system, linear, q):  # what holds twice in a rough position may not where the joints close, or the reverse
+            redundant = _redundant(system, linear, q)
         v = project_velocities(system, mass_factor(system, linear, q), q, state.v, goal.rate)
     except Inconsistent as trouble:
-        raise SceneError([_conflict(system, trouble.defect.rows, trouble.defect.what)]) from None
+        raise SceneError([conflict(system, trouble.defect.rows, trouble.defect.what)]) from None
     except Singular:
         rows = [int(np.argmax(np.abs(system.joints.at(state.q).value - goal.value) * linear.reach))]
-        raise SceneError([_conflict(system, rows, "the joints lock on the way to a position that satisfies them")]) from None
+        raise SceneError([conflict(system, rows, "the joints lock on the way to a position that satisfies them")]) from None
     linear.origin = q
     unmet = (system.joints.at(q).push(v) - goal.rate) * linear.reach
     scale = float(np.max(np.abs(v) * system.levers, initial=0.0))
-    if np.max(np.abs(unmet), initial=0.0) > 1e-6 * scale:
-        raise SceneError([_conflict(system, [int(np.argmax(np.abs(unmet)))], "velocities cannot satisfy them together")])
+    if np.max(np.abs(unmet), initial=0.0) > max(1e-6 * scale, STANDSTILL * system.length):
+        what = "velocities cannot satisfy them together" + (" (with the drives: a dead centre)" if redundant and system.driven else "")
+        raise SceneError([conflict(system, [int(np.argmax(np.abs(unmet)))], what)])
     corrections = _corrections(system, linear, state, q, v, goal)
     return Assembly(State(q, v, state.t), tuple(corrections), redundant, linear)
 
@@ -93,56 +99,35 @@ def consistent(system: System, state: State) -> Assembly:
 def prepare(system: System, q: Array) -> tuple[Linear, tuple[str, ...]]:
     """The linear algebra of a system near q, ready for redundant joints, and their names."""
     from .solvers.linear import Linear
-    from .solvers.start import redundancy
 
     linear = Linear(system, q)
-    return linear, tuple(_redundant(system, linear, redundancy(system, linear, q)))
+    return linear, _redundant(system, linear, q)
 
 
-def _positions(system: System, linear: Linear, q: Array, target: Array) -> Array:
-    """q projected to the joints and, in parts of half a radian at most, to the targets of drives: a turn far away would end on the
-    wrong side of its axis, where its equation holds too."""
-    from .solvers.start import project_positions
+def _singular(system: System, linear: Linear, q: Array) -> bool:
+    from .solvers.formats import Singular
+    from .solvers.start import mass_factor
 
-    gap = np.where(_driven(system), system.joints.at(q).value - target, 0.0)
-    parts = np.ceil(np.max(np.abs(gap) * linear.reach, initial=0.0) / (0.5 * system.length))
-    if not parts < MOST_PARTS:
-        raise SceneError([_conflict(system, [int(np.argmax(np.abs(gap) * linear.reach))], f"a drive that starts at {np.max(np.abs(gap)):.6g}")])
-    for left in np.arange(parts - 1, 0, -1):
-        q = project_positions(system, linear, q, target + left / parts * gap)
-    return project_positions(system, linear, q, target)
+    try:
+        mass_factor(system, linear, q)
+        return False
+    except Singular:
+        return True
 
 
-def _driven(system: System) -> NDArray[np.bool_]:
-    """[m]: which equations follow targets."""
-    driven = np.zeros(system.m, dtype=bool)
-    for rows, _ in system.joints.drives:
-        driven[rows] = True
-    return driven
+def _redundant(system: System, linear: Linear, q: Array) -> tuple[str, ...]:
+    """The joints that are redundant at q, which the matrix then allows. Raises SceneError for coordinates that nothing determines."""
+    from .solvers.start import redundancy
 
-
-def _redundant(system: System, linear: Linear, defect: object) -> list[str]:
-    from .solvers.start import Defect
-
+    defect = redundancy(system, linear, q)
     if defect is None:
-        return []
-    assert isinstance(defect, Defect)
+        return ()
     if defect.coordinates:
-        where = _names([system.owners[k][0] for k in defect.coordinates])
+        where = quoted([system.owners[k][0] for k in defect.coordinates])
         raise SceneError([f"{where}: expected inertia or joints for every coordinate, found {defect.what}; give it mass or hold it by a joint"])
     linear.soften()
     names = list(dict.fromkeys(system.label(row) for row in defect.rows))
-    return [name for name in names if name not in system.internal] or names
-
-
-def _conflict(system: System, rows: list[int], what: str) -> str:
-    labels = [system.label(row) for row in rows]
-    names = _names([label for label in labels if label not in system.internal] or labels)
-    return f"joints {names}: expected equations that can hold together, found {what}; correct positions or lengths"
-
-
-def _names(names: list[str]) -> str:
-    return ", ".join(repr(name) for name in dict.fromkeys(names))
+    return tuple(name for name in names if name not in system.internal) or tuple(names)
 
 
 def _corrections(system: System, linear: Linear, before: State, q: Array, v: Array, goal: Targets) -> list[Correction]:
@@ -150,12 +135,12 @@ def _corrections(system: System, linear: Linear, before: State, q: Array, v: Arr
     was described well: what only driven equations ask of velocities is no correction."""
     found: list[Correction] = []
     speed = max(float(np.max(np.abs(before.v) * system.levers, initial=0.0)), 1e-300)
-    joints = system.joints.at(before.q)
+    joints, lengths = system.joints.at(before.q), distances(system, linear, before.q)
     for name, unit, residual, moved, scale in (
         ("position", "(length)", joints.value - goal.value, q - before.q, system.length),
-        ("velocity", "(length/time)", np.where(_driven(system), 0.0, joints.push(before.v)), v - before.v, speed),
+        ("velocity", "(length/time)", np.where(driven_rows(system), 0.0, joints.push(before.v)), v - before.v, speed),
     ):
-        gaps = np.abs(residual) * linear.reach
+        gaps = np.abs(residual) * lengths
         if name == "velocity" and np.max(gaps, initial=0.0) <= REPORTED * scale:
             continue
         by_joint: dict[str, float] = {}
@@ -174,7 +159,7 @@ def announce(assembly: Assembly) -> None:
     """A SceneWarning for redundant joints and for a start that had to be corrected."""
     if assembly.redundant:
         warnings.warn(
-            f"redundant joints {_names(list(assembly.redundant))}: some of their equations follow from the others; "
+            f"redundant joints {quoted(list(assembly.redundant))}: some of their equations follow from the others; "
             "the scene runs, its multipliers are those of least norm",
             SceneWarning,
             stacklevel=3,

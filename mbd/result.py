@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from .affine import Array
 from .audit import Audit, audit
+from .errors import SceneWarning
 from .event import Events
 from .marker import Marker
 from .parts import Index, Part
@@ -60,6 +62,7 @@ class Result:
         self.scene, self.system, self.trajectory, self.stats, self.assembly = scene, system, trajectory, stats, assembly
         self.chosen, self.events = chosen, events
         self._instants: dict[Part, tuple[Array, Array]] = {}
+        self._warned: set[str] = set()
 
     @property
     def t(self) -> Array:
@@ -115,13 +118,27 @@ class Result:
         return a, multipliers
 
     def reaction(self, joint: Any, t: ArrayLike | None = None) -> Array:
-        """[n_t, 3] or [n_t, 6]: force [N], then moment [N m], that the joint exerts on its first marker, about it, in inertial axes."""
+        """[n_t, 3] or [n_t, 6]: force [N], then moment [N m], that the joint exerts on its first marker, about it, in inertial axes.
+        Of a joint in ``indeterminate``, which is warned of once, the one of least norm."""
         rows = [k for k, (item, _) in enumerate(self.system.joints.labels) if item == getattr(joint, "name", None)]
         if not rows or not hasattr(getattr(joint, "description", None), "rows"):
             raise ValueError(f"reaction({joint!r}): expected a joint of this scene, as scene.add(mbd.Pin(...)) returned it")
+        if joint.name in self.indeterminate and joint.name not in self._warned:
+            self._warned.add(joint.name)
+            about = "other joints hold the same, and this is the one of least norm among all; mbd.check names them"
+            warnings.warn(f"the reaction of {joint.name!r} is indeterminate: {about}", SceneWarning, stacklevel=2)
         columns = np.concatenate([marker.point.columns() for marker in joint.description.markers])
         q, _ = self._motion(t, columns)
         return reaction(joint, joint.pose(self.system.q0), q, self._index_one(t, columns)[1][..., rows])
+
+    @cached_property
+    def indeterminate(self) -> tuple[str, ...]:
+        """The joints whose reactions are not unique because others hold the same, by name."""
+        if not self.assembly.redundant:
+            return ()
+        from .structure import indeterminate
+
+        return indeterminate(self.scene, self.assembly.state)
 
     def angle(self, item: Any, t: ArrayLike | None = None) -> Array:
         """[n_t] [rad]: of a planar body's or marker's axis, of a cable marker's tangent; counter-clockwise, unwrapped."""

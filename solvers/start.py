@@ -155,12 +155,14 @@ def accelerations(system: System, factor: Factor, q: Array, v: Array, inputs: An
 
 
 def redundancy(system: System, linear: Linear, q: Array) -> Defect | None:
-    """The equations that are met twice at q, or the coordinates without inertia that nothing holds; None where all is regular."""
-    try:
-        mass_factor(system, linear, q)
-        return None
-    except Singular:
-        pass
+    """The equations that are met twice at q, or the coordinates without inertia that nothing holds; None where all is regular.
+    A matrix softened before tells nothing: then singular values alone decide."""
+    if not linear.softened:
+        try:
+            mass_factor(system, linear, q)
+            return None
+        except Singular:
+            pass
     scaled = np.zeros((system.m, system.n))
     joints = system.joints
     np.add.at(scaled, (joints.rows, joints.cols), joints.at(q).gradient)
@@ -172,6 +174,8 @@ def redundancy(system: System, linear: Linear, q: Array) -> Defect | None:
         weight = np.max(np.abs(left[:, rank:]), axis=1)
         rows = [int(row) for row in np.flatnonzero(weight > 1e-6)]
     coordinates = _loose(system, linear, right[rank:]) if rank < system.n else []
+    if linear.softened and not rows and not coordinates:
+        return None
     what = f"{system.m - rank} of {system.m} equations follow from the others" if rows else "no inertia and no joint determines them"
     return Defect(what, rows, coordinates)
 
