@@ -21,7 +21,7 @@ if not (_here / "elements").is_dir():
 if TYPE_CHECKING:
     from .archive import load
     from .assembly import assemble
-    from .elements import PD, AncfCable, Force, ForceLaw, Particle, RigidBody, Spring, Stop, Torque, TorsionSpring
+    from .elements import PD, AncfCable, Force, ForceLaw, Friction, Particle, RigidBody, Spring, Stop, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
     from .joints import (
@@ -58,7 +58,7 @@ if TYPE_CHECKING:
     from .target import Motion
 
 _HOMES = {
-    "elements": ("PD", "AncfCable", "Force", "ForceLaw", "Particle", "RigidBody", "Spring", "Stop", "Torque", "TorsionSpring"),
+    "elements": ("PD", "AncfCable", "Force", "ForceLaw", "Friction", "Particle", "RigidBody", "Spring", "Stop", "Torque", "TorsionSpring"),
     "joints": (
         "Actuator",
         "Angle",
@@ -116,6 +116,7 @@ __all__ = [
     "Event",
     "Force",
     "ForceLaw",
+    "Friction",
     "Gauss",
     "Gear",
     "GeneralizedAlpha",

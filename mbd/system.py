@@ -111,12 +111,14 @@ class System:
             k = dofs.shape[1]
             return np.repeat(dofs, k, axis=1).ravel() % self.n, np.tile(dofs, (1, k)).ravel() % self.n
 
+        self._rate_loads = [kernel for kernel in self.loads if getattr(kernel, "depends_on_rate", False)]
         self._moving_loads = [i for i, kernel in enumerate(self.loads) if not kernel.constant_in_q]
         strains = [pairs(kernel.dofs) for kernel in self.measures]
         loads = [pairs(self.loads[i].dofs) for i in self._moving_loads]
         curves = [(self.joints.curvature_rows, self.joints.curvature_cols)]
         empty = [(np.zeros(0, np.intp), np.zeros(0, np.intp))]
-        self.damping_rows, self.damping_cols = (np.concatenate(part) for part in zip(*(strains or empty)))
+        rated = [pairs(kernel.dofs) for kernel in self._rate_loads]
+        self.damping_rows, self.damping_cols = (np.concatenate(part) for part in zip(*(strains + rated or empty)))
         self.stiffness_rows, self.stiffness_cols = (np.concatenate(part) for part in zip(*(strains + curves + loads)))
 
     def strains(self, q: Array) -> Strains:
@@ -126,11 +128,11 @@ class System:
         """What loads and drives are given as functions of time, at times t [...]."""
         return Inputs(self, np.asarray(t, dtype=float))
 
-    def load(self, q: Array, inputs: Inputs) -> Array:
+    def load(self, q: Array, v: Array, inputs: Inputs) -> Array:
         """Weight, forces and torques [..., n]; [n] where they are constant."""
         total = self.constant_force
         for kernel, scatter, values in zip(self.loads, self.load_scatters, inputs.loads):
-            local = kernel.force(q, values)
+            local = kernel.force(q, v, values) if kernel in self._rate_loads else kernel.force(q, values)
             local = np.broadcast_to(local, (*q.shape[:-1], *local.shape[-2:]))
             total = total + scatter(local.reshape(*q.shape[:-1], -1))
         return total
@@ -142,7 +144,7 @@ class System:
 
     def force(self, q: Array, v: Array, inputs: Inputs) -> Array:
         """f - B' sigma [..., n]: everything but the joints."""
-        total = self.load(q, inputs)
+        total = self.load(q, v, inputs)
         if self.measures:
             at = self.strains(q)
             total = total - at.pull(self.stress(at, v))
@@ -158,10 +160,17 @@ class System:
             parts.append(-self.loads[i].gradient(q, inputs.loads[i]).ravel())
         return np.concatenate(parts)
 
-    def damping(self, q: Array) -> Array:
-        """Values of D on (damping_rows, damping_cols) at one configuration; only asked of scenes with viscosity."""
-        assert self.viscosity is not None
-        return self.strains(q).stiffness(np.zeros(self.n_stresses), self.viscosity, None)
+    @property
+    def damped(self) -> bool:
+        """Whether any force depends on velocities."""
+        return self.viscosity is not None or bool(self._rate_loads)
+
+    def damping(self, q: Array, v: Array, inputs: Inputs) -> Array:
+        """Values of D on (damping_rows, damping_cols) at one configuration; only asked of scenes that are damped."""
+        eta = np.zeros(self.n_stresses) if self.viscosity is None else self.viscosity
+        strains = [self.strains(q).stiffness(np.zeros(self.n_stresses), eta, None)] if self.measures else []
+        loads = [-k.rate_gradient(q, v, x).ravel() for k, x in zip(self.loads, inputs.loads) if k in self._rate_loads]
+        return np.concatenate(strains + loads)
 
     def kinetic(self, v: Array) -> Array:
         return 0.5 * np.sum(v * self.mass(v), axis=-1)
@@ -180,7 +189,7 @@ class System:
 
     def power(self, q: Array, v: Array, inputs: Inputs, multipliers: Array | None = None) -> Array:
         """[...] of loads, dampers and, given the multipliers [..., m], drives [W]; gravity and elastic forces are in the energy."""
-        total = np.sum((self.load(q, inputs) - self.weight) * v, axis=-1)
+        total = np.sum((self.load(q, v, inputs) - self.weight) * v, axis=-1)
         if self.viscosity is not None:
             total = total - np.sum(self.viscosity * self.strains(q).push(v) ** 2, axis=-1)
         if self.joints.drives and multipliers is not None:

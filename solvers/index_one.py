@@ -68,7 +68,7 @@ class NormalEquations:
     def solve(self, q: Array, v: Array, inputs: Any) -> tuple[Array, Array]:
         """a [n], multipliers [m]; raises Singular where S nearly is."""
         system = self.system
-        force = system.load(q, inputs)
+        force = system.load(q, v, inputs)
         if system.n_stresses:
             strains = system.strains(q)
             force = force - strains.pull(system.stress(strains, v))

@@ -56,7 +56,7 @@ class Linearised:
         self.strains = system.strains(middle.q) if system.n_stresses else None
         self.v = middle.v
         stiffness = system.stiffness(middle.q, middle.v, inputs, middle.stress, middle.multipliers)
-        damping = None if system.viscosity is None else system.damping(middle.q)
+        damping = system.damping(middle.q, middle.v, inputs) if system.damped else None
         self.tangent: Tangent = linear.tangent(self.joints.gradient, stiffness, damping)
         z = table.eigenvalues / h
         self.factors = [linear.factor(self.tangent, x * x, x, 1.0) for x in (*z[: table.real].real, *z[table.real :])]
@@ -111,7 +111,7 @@ class StageEquations:
         q, q_rate = self.q0 + x.dq, self.rate @ x.dq
         joints = system.joints.at(q)
         v = x.v if at.mass_factor else q_rate
-        r2 = system.mass(self.rate @ (v - self.v0)) - system.load(q, self.inputs)
+        r2 = system.mass(self.rate @ (v - self.v0)) - system.load(q, q_rate, self.inputs)
         if system.n_stresses:
             strains = system.strains(q)
             r5 = system.stress(strains, q_rate) - x.stress
