@@ -112,6 +112,7 @@ class System:
             return np.repeat(dofs, k, axis=1).ravel() % self.n, np.tile(dofs, (1, k)).ravel() % self.n
 
         self._rate_loads = [kernel for kernel in self.loads if getattr(kernel, "depends_on_rate", False)]
+        self.damped = self.viscosity is not None or bool(self._rate_loads)
         self._moving_loads = [i for i, kernel in enumerate(self.loads) if not kernel.constant_in_q]
         strains = [pairs(kernel.dofs) for kernel in self.measures]
         loads = [pairs(self.loads[i].dofs) for i in self._moving_loads]
@@ -159,11 +160,6 @@ class System:
         for i in self._moving_loads:
             parts.append(-self.loads[i].gradient(q, inputs.loads[i]).ravel())
         return np.concatenate(parts)
-
-    @property
-    def damped(self) -> bool:
-        """Whether any force depends on velocities."""
-        return self.viscosity is not None or bool(self._rate_loads)
 
     def damping(self, q: Array, v: Array, inputs: Inputs) -> Array:
         """Values of D on (damping_rows, damping_cols) at one configuration; only asked of scenes that are damped."""
