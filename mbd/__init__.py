@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .assembly import assemble
     from .balance import Equilibrium
     from .branches import continuation
-    from .elements import PD, AncfCable, Force, ForceLaw, Particle, RigidBody, Spring, Stop, Torque, TorsionSpring
+    from .elements import PD, AncfCable, Force, ForceLaw, Friction, Particle, RigidBody, Spring, Stop, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
     from .joints import (
@@ -64,7 +64,7 @@ if TYPE_CHECKING:
     from .vibration import Modes, modes
 
 _HOMES = {
-    "elements": ("PD", "AncfCable", "Force", "ForceLaw", "Particle", "RigidBody", "Spring", "Stop", "Torque", "TorsionSpring"),
+    "elements": ("PD", "AncfCable", "Force", "ForceLaw", "Friction", "Particle", "RigidBody", "Spring", "Stop", "Torque", "TorsionSpring"),
     "joints": (
         "Actuator",
         "Angle",
@@ -131,6 +131,7 @@ __all__ = [
     "Event",
     "Force",
     "ForceLaw",
+    "Friction",
     "Gauss",
     "Gear",
     "GeneralizedAlpha",

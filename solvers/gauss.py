@@ -193,7 +193,7 @@ class Equations:
         """The next iterate, the size of its change as a length, and the residual of g [s, m]."""
         system, table, q, v = self.system, self.table, self.q0 + x.dq, self.velocity(x.dq)
         joints, stress = system.joints.at(self.points(x.dq)), x.stress
-        r2 = system.mass(self.velocity(v - self.v0)) - system.load(q, self.inputs)
+        r2 = system.mass(self.velocity(v - self.v0)) - system.load(q, v, self.inputs)
         if system.n_stresses:
             strains = system.strains(q)
             r5 = system.stress(strains, v) - stress

@@ -167,7 +167,7 @@ class Tangents:
         self.joints = system.joints.at(q)
         self.strains = system.strains(q) if system.n_stresses else None
         stiffness = system.stiffness(q, self.v, equations.inputs, x.stress, x.multipliers)
-        damping = None if system.viscosity is None else system.damping(q)
+        damping = system.damping(q, self.v, equations.inputs) if system.damped else None
         tangent = linear.tangent(self.joints.gradient, stiffness, damping)
         self.factor = linear.factor(tangent, equations.y * equations.z, equations.z, 1.0)
         self.mass_factor = linear.factor(tangent) if equations.stabilised else None
@@ -199,7 +199,7 @@ class Equations:
         system, q, u = self.system, self.q0 + x.dq, self.velocity(x.dq)
         v = x.v if at.mass_factor else u
         joints, stress, drift = system.joints.at(q), x.stress, x.drift
-        r2 = system.mass(self.acceleration(v)) - system.load(q, self.inputs) + (joints.pull(x.multipliers) if system.m else 0.0)
+        r2 = system.mass(self.acceleration(v)) - system.load(q, u, self.inputs) + (joints.pull(x.multipliers) if system.m else 0.0)
         g = joints.value - self.goal.value
         if at.strains is not None:
             strains = system.strains(q)

@@ -45,8 +45,8 @@ class Linear:
         joints = system.joints
         top, left = joints.rows + n, joints.cols
         corner = n + np.arange(m)
-        rows = np.concatenate((system.mass_rows, system.stiffness_rows, top, left, corner))
-        cols = np.concatenate((system.mass_cols, system.stiffness_cols, left, top, corner))
+        rows = np.concatenate((system.mass_rows, system.stiffness_rows, system.damping_rows, top, left, corner))
+        cols = np.concatenate((system.mass_cols, system.stiffness_cols, system.damping_cols, left, top, corner))
         order = reverse_cuthill_mckee(rows, cols, self.size)
         self.format: Format = cheapest(self.size, half_bandwidth(rows, cols, order), rows, cols)
         self.order = order if self.format.name == "band" else np.arange(self.size)

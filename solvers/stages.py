@@ -61,7 +61,7 @@ class Derivatives:
         strains = system.strains(middle.q) if system.n_stresses else None
         self.stiffness = system.stiffness(middle.q, middle.v, inputs, middle.stress, middle.multipliers, strains=strains)
         self.strains = strains if strains is None or system.viscosity is not None else strains.frozen()
-        self.damping = None if system.viscosity is None else system.damping(middle.q)
+        self.damping = system.damping(middle.q, middle.v, inputs) if system.damped else None
 
     def solve(self, top: Array, bottom: Array) -> tuple[Array, Array]:
         """The stage system: right sides [s, n] and [s, m]."""
@@ -135,7 +135,7 @@ class StageEquations:
         q, q_rate = self.q0 + x.dq, self.rate @ x.dq
         joints = system.joints.at(q)
         v = x.v if at.mass_factor else q_rate
-        r2 = system.mass(self.rate @ (v - self.v0)) - system.load(q, self.inputs)
+        r2 = system.mass(self.rate @ (v - self.v0)) - system.load(q, q_rate, self.inputs)
         if system.n_stresses:
             strains = system.strains(q)
             r5 = system.stress(strains, q_rate) - x.stress

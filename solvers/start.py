@@ -137,7 +137,7 @@ def hermite(before: State, after: State, fraction: Array) -> tuple[Array, Array]
 def accelerations(system: System, factor: Factor, q: Array, v: Array, inputs: Any) -> tuple[Array, Array]:
     """a [n] and multipliers [m] at a consistent state; ``factor`` is the mass KKT matrix at q."""
     strains = system.strains(q)
-    force = system.load(q, inputs)
+    force = system.load(q, v, inputs)
     if system.n_stresses:
         force = force - strains.pull(system.stress(strains, v))
     joints = system.joints.at(q)
