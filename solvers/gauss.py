@@ -95,6 +95,8 @@ class GaussCollocation:
         """Nothing: values inside a step are the ends of shorter ones."""
 
     def first_step(self, system: System, state: State, acceleration: Array, span: float, tolerance: float) -> float:
+        if system.joints.nonholonomic.any():
+            raise ValueError(f"{self.name}: expected no nonholonomic joints (knife edges), found some; use Radau or DormandPrince")
         return self.fixed
 
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:

@@ -82,6 +82,8 @@ class ChungHulbert:
         return memory if memory.inner else None
 
     def first_step(self, system: System, state: State, acceleration: Array, span: float, tolerance: float) -> float:
+        if system.joints.nonholonomic.any():
+            raise ValueError(f"{self.name}: expected no nonholonomic joints (knife edges), found some; use Radau or DormandPrince")
         return self.fixed
 
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:

@@ -57,12 +57,15 @@ class JointsAt(Protocol):
 
 
 class Joints(Protocol):
-    """The equations gamma(q) = c(t) [m]; ``linear`` where G is constant and nothing is driven: g = 0 then implies G v = 0."""
+    """The equations gamma(q) = c(t) [m]; ``linear`` where G is constant and nothing is driven: g = 0 then implies G v = 0.
+
+    ``nonholonomic`` [m]: rows that hold for velocities only; their gamma is 0, and G is not its gradient."""
 
     m: int
     rows: Index
     cols: Index
     linear: bool
+    nonholonomic: NDArray[np.bool_]
     to_rows: Callable[[Array], Array]
 
     def at(self, q: Array) -> JointsAt: ...
