@@ -31,7 +31,7 @@ from .formats import Singular
 from .linear import Linear
 from .protocol import Attempt, State
 from .stages import Linearised, Middle
-from .start import Inconsistent, hermite, project_samples, project_velocities
+from .start import Inconsistent, hermite, project_samples, project_velocities, refuse_slips
 from .system import Array, System, targets
 
 ROUNDING, NOISE = 2e-16, 1e-13  # Newton's goal, and changes that may be noise of the residuals, as shares of the system's length
@@ -95,6 +95,7 @@ class GaussCollocation:
         """Nothing: values inside a step are the ends of shorter ones."""
 
     def first_step(self, system: System, state: State, acceleration: Array, span: float, tolerance: float) -> float:
+        refuse_slips(system, self.name)
         return self.fixed
 
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:

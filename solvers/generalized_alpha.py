@@ -26,7 +26,7 @@ from .formats import Singular
 from .linear import Linear
 from .protocol import Attempt, State
 from .stages import Stages
-from .start import Inconsistent, accelerations, hermite, mass_factor, project_positions, project_samples, project_velocities
+from .start import Inconsistent, accelerations, hermite, mass_factor, project_positions, project_samples, project_velocities, refuse_slips
 from .system import Array, System, targets
 
 NEWTON = 1e-11  # Newton's error as a share of the system's length: far below what steps of second order can resolve
@@ -82,6 +82,7 @@ class ChungHulbert:
         return memory if memory.inner else None
 
     def first_step(self, system: System, state: State, acceleration: Array, span: float, tolerance: float) -> float:
+        refuse_slips(system, self.name)
         return self.fixed
 
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:

@@ -60,6 +60,7 @@ class Linear:
         self._gradient_slots, self._gradient_scale = self._slots(top, left)
         self._both_slots = np.concatenate((self._gradient_slots, self._slots(left, top)[0]))
         self._corner = self._slots(corner, corner)[0]
+        self._slips, self._rows = joints.slips, joints.rows
         self._damping_slots, self._damping_scale = self._slots(system.damping_rows, system.damping_cols)
         self.mass = self._fill(self._mass_slots, self._mass_scale * system.mass_values)
         self._constant_gradient = self._gradient(joints.at(q).gradient) if joints.linear else None
@@ -93,6 +94,14 @@ class Linear:
             None if damping is None else self._fill(self._damping_slots, self._damping_scale * damping),
             self._constant_gradient if self._constant_gradient is not None else self._gradient(gradient),
         )
+
+    def tangent_of_positions(self, gradient: Array) -> Tangent:
+        """The same of G alone, without nonholonomic rows: in their places multipliers are zero."""
+        if not self._slips.size:
+            return self.tangent(gradient)
+        filled = self._gradient(np.where(np.isin(self._rows, self._slips), 0.0, gradient))
+        filled[self._corner[self._slips]] -= 1.0
+        return Tangent(None, None, filled)
 
     def _gradient(self, values: Array) -> Array:
         scaled = self._gradient_scale * values

@@ -60,7 +60,8 @@ class Joints(Protocol):
     """The equations gamma(q) = c(t) [m].
 
     ``linear``: G is constant and nothing is driven: g = 0 then implies G v = 0. ``quadratic``: all rows are, at most; ``constant_rows``
-    [m] those whose part of G is constant and that nothing drives.
+    [m] those whose part of G is constant and that nothing drives. ``slips``: the numbers of nonholonomic rows, which hold for velocities
+    only; their gamma is 0, and their part of G is the gradient of nothing.
     """
 
     m: int
@@ -68,6 +69,7 @@ class Joints(Protocol):
     cols: Index
     linear: bool
     quadratic: bool
+    slips: Index
     to_rows: Callable[[Array], Array]
 
     @property

@@ -55,6 +55,7 @@ def planar() -> mbd.Scene:
     scene.add(mbd.Stop(slid, lower=0.0, upper=0.1, stiffness=10.0, width=0.1))
     scene.add(mbd.Actuator(turn, force=0.1))
     scene.add(mbd.Friction(turn, force=0.1, speed=0.1))
+    scene.add(mbd.KnifeEdge(scene.add(mbd.RigidBody(mass=1.0, inertia=0.1, position=(0, 4))), axis=(1, 0)))
     return scene
 
 

@@ -16,7 +16,7 @@ MASS, LENGTH, GRAVITY = 0.3, 1.7, 9.81
 class Rod:
     """g = (r . r - L^2) / 2 at positions r [..., 2]."""
 
-    m, linear = 1, False
+    m, linear, slips = 1, False, np.zeros(0, dtype=np.intp)
     rows, cols = np.array([0, 0]), np.array([0, 1])
 
     def at(self, r):
