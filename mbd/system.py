@@ -52,7 +52,7 @@ class System:
     """The numeric system of a scene; ``n`` coordinates, ``m`` equations, ``n_stresses`` independent stresses.
 
     ``affine``: loads are constant in time and linear in q alone. ``driven``: some equations follow functions of time. ``damped``: D is not 0:
-    something is viscous, or loads depend on velocities.
+    something is viscous, or loads depend on velocities. ``onsets``: some strains set in, with slopes that are zero before (kernels declare ``sets_in``).
     """
 
     def __init__(self, model: Model):
@@ -73,6 +73,7 @@ class System:
         self.modulus = np.concatenate([kernel.modulus.ravel() for kernel in self.measures] or [np.zeros(0)])
         viscosity = np.concatenate([kernel.viscosity.ravel() for kernel in self.measures] or [np.zeros(0)])
         self.viscosity: Array | None = viscosity if viscosity.any() else None
+        self.onsets = any(getattr(kernel, "sets_in", False) for kernel in self.measures)
         local = [kernel.dofs.ravel() for kernel in self.measures] or [np.zeros(0, np.intp)]
         self.scatter = Scatter(np.concatenate(local), self.n)
         self.loads = build(model.loads)

@@ -30,7 +30,7 @@ from .coefficients import GaussLobatto, gauss_lobatto, lagrange
 from .formats import Singular
 from .linear import Linear
 from .protocol import Attempt, State
-from .stages import Linearised, Middle
+from .stages import Correction, Linearised, Middle
 from .start import Inconsistent, hermite, project_samples, project_velocities, refuse_slips
 from .system import Array, System, targets
 
@@ -154,13 +154,15 @@ def _iterate(equations: Equations, x: Unknowns, middle: Middle) -> Attempt | tup
     last, slowest = np.inf, 0.0
     length = equations.system.length + float(np.max(np.abs(equations.q0) * equations.system.levers))
     for k in range(1, ITERATIONS + 1):
-        x, size, g = equations.correct(x, at)
+        change = equations.correct(x, at)
+        x, size, g = change.x, change.size, change.residual
         if not np.isfinite(size):
             break
-        rate, last = size / last, size
+        rate, last = size / last if last else np.inf, size
         slowest = max(slowest, rate if size > NOISE * length else 0.0)
         settled = 0.0 < rate < 1.0 and rate / (1.0 - rate) * size <= ROUNDING * length
-        if settled or size <= ROUNDING * length or (k > 2 and rate > SLOW and size <= NOISE * length):
+        settled = settled or size <= ROUNDING * length or (k > 2 and rate > SLOW and size <= NOISE * length)
+        if settled and at.unseen(change.strains, change.stress_change) <= NOISE * length:
             return x, slowest, k
         if k > 2 and rate > SLOW:
             at, last = equations.derivatives(equations.middle(x)), np.inf
@@ -190,9 +192,9 @@ class Equations:
         b = self.table.b
         return Middle(self.q0 + b @ x.dq, b @ self.velocity(x.dq), b @ self.table.pull @ x.multipliers, b @ x.stress)
 
-    def correct(self, x: Unknowns, at: Linearised) -> tuple[Unknowns, float, Array]:
-        """The next iterate, the size of its change as a length, and the residual of g [s, m]."""
-        system, table, q, v = self.system, self.table, self.q0 + x.dq, self.velocity(x.dq)
+    def correct(self, x: Unknowns, at: Linearised) -> Correction:
+        """One step of Newton's iteration."""
+        strains, system, table, q, v = None, self.system, self.table, self.q0 + x.dq, self.velocity(x.dq)
         joints, stress = system.joints.at(self.points(x.dq)), x.stress
         r2 = system.mass(self.velocity(v - self.v0)) - system.load(q, v, self.inputs)
         if system.n_stresses:
@@ -207,7 +209,8 @@ class Equations:
         multipliers[:-1] += table.pull_inverse @ y
         if system.n_stresses:
             stress = stress + r5 + at.stress_change(dq, self.velocity(dq))
-        return Unknowns(x.dq + dq, multipliers, stress), float(np.max(np.abs(dq) * system.levers)), g
+        size = float(np.max(np.abs(dq) * system.levers))
+        return Correction(Unknowns(x.dq + dq, multipliers, stress), size, g, strains, stress - x.stress)
 
     def end(self, x: Unknowns) -> tuple[Array, Array, Array]:
         """q1, v1 [n] and the last multipliers [m]."""

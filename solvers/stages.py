@@ -38,6 +38,17 @@ class Stages(NamedTuple):
     stress: Array
 
 
+class Correction(NamedTuple):
+    """What one correction leads to: the next iterate, the size of its change as a length, the residual of g [s, m] before it, and what
+    stresses were computed with: strains before it (None where nothing is elastic), change of the stresses."""
+
+    x: Any
+    size: float
+    residual: Array
+    strains: Any
+    stress_change: Array
+
+
 class Middle(NamedTuple):
     """The configuration whose derivatives serve the whole step."""
 
@@ -78,6 +89,14 @@ class Derivatives:
         if system.viscosity is not None:
             change = change + system.viscosity * (self.strains.push(rate) + self.strains.swirl_times(self.v, dq))
         return change
+
+    def unseen(self, strains: Any, change: Array) -> float:
+        """What a change of stresses [s, n_stresses] will move by the slopes of each stage, and has not by those of the middle, as a length:
+        where a strain sets in within the step, the middle has no slope, and the first correction of positions is zero whatever the stress."""
+        if not self.system.onsets:
+            return 0.0
+        dq, _ = self.solve(self.pull(change) - strains.pull(change), np.zeros((len(change), self.system.m)))
+        return float(np.max(np.abs(dq) * self.system.levers))
 
     def velocity_swirl(self, dq: Array) -> Array:
         """d(G v)/dq dq [s, m]."""
@@ -129,9 +148,9 @@ class StageEquations:
         self.goal = targets(inputs)
         self.rate = table.inverse / h
 
-    def correct(self, x: Stages, at: Derivatives) -> tuple[Stages, float, Array]:
-        """The next iterate, the size of its change as a length, and the residual of g [s, m]."""
-        system = self.system
+    def correct(self, x: Stages, at: Derivatives) -> Correction:
+        """One step of Newton's iteration."""
+        system, strains = self.system, None
         q, q_rate = self.q0 + x.dq, self.rate @ x.dq
         joints = system.joints.at(q)
         v = x.v if at.mass_factor else q_rate
@@ -158,7 +177,8 @@ class StageEquations:
         stress = x.stress
         if system.n_stresses:
             stress = stress + r5 + at.stress_change(dq, self.rate @ dq)
-        return Stages(x.dq + dq, v + dv, x.multipliers + d_multipliers, drift, stress), self._size(dq, dv), g
+        after = Stages(x.dq + dq, v + dv, x.multipliers + d_multipliers, drift, stress)
+        return Correction(after, self._size(dq, dv), g, strains, stress - x.stress)
 
     def _size(self, dq: Array, dv: Array) -> float:
         """The largest change of a stage's position, or of the final velocity times the step: both are lengths."""

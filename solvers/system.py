@@ -92,7 +92,7 @@ class System(Protocol):
     """A mechanical system; see the module's equations.
 
     ``affine``: loads are constant in time and linear in q alone. ``driven``: c depends on time. ``damped``: something is viscous, or loads
-    depend on velocities.
+    depend on velocities. ``onsets``: some strains set in, with slopes that are zero before.
     """
 
     n: int
@@ -104,6 +104,7 @@ class System(Protocol):
     viscosity: Array | None
     affine: bool
     damped: bool
+    onsets: bool
     driven: bool
     joints: Any
     mass_rows: Index

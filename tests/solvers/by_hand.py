@@ -38,7 +38,7 @@ class Pendulum:
 
     n, m, n_stresses = 2, 1, 0
     length, levers = LENGTH, np.ones(2)
-    modulus, viscosity, damped, joints = np.zeros(0), None, False, Rod()
+    modulus, viscosity, damped, onsets, joints = np.zeros(0), None, False, False, Rod()
     mass_rows = mass_cols = stiffness_rows = stiffness_cols = np.arange(2)
     damping_rows = damping_cols = np.zeros(0, dtype=np.intp)
     mass_values = np.full(2, MASS)
