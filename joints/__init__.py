@@ -8,7 +8,7 @@ from .beam_slider import BeamSlider
 from .couplings import Coupling
 from .drives import Motor, Prescribed
 from .gears import Gear, Rack
-from .knife_edge import KnifeEdge
+from .knife_edge import KnifeEdge, Wheel
 from .lines import PointOnLine, Slider
 from .measures import Angle, Displacement, Length
 from .pairs import Ball, Clamp, Distance, Pin
@@ -39,4 +39,5 @@ __all__ = [
     "Slider",
     "Universal",
     "UserMeasure",
+    "Wheel",
 ]

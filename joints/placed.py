@@ -70,7 +70,7 @@ class Joint:
     def turns(self, *markers_pose_scalars: Any) -> list[Turning]:
         return []
 
-    def slips(self, *markers_pose: Any) -> list[tuple[str, SlipRow]]:
+    def slips(self, *markers_pose_scalars: Any) -> list[tuple[str, SlipRow]]:
         """Equations of velocities alone, labelled."""
         return []
 
@@ -96,8 +96,8 @@ class Placed:
     def turns(self, markers: Sequence[Marker], pose: Pose, scalars: list[int]) -> list[Turning]:
         return self.description.turns(*markers, pose, scalars)
 
-    def slips(self, markers: Sequence[Marker], pose: Pose) -> list[tuple[str, SlipRow]]:
-        return self.description.slips(*markers, pose)
+    def slips(self, markers: Sequence[Marker], pose: Pose, scalars: list[int]) -> list[tuple[str, SlipRow]]:
+        return self.description.slips(*markers, pose, scalars)
 
     def assemble(self, model: Model) -> None:
         pose = self.pose(model.q0)
@@ -106,7 +106,7 @@ class Placed:
             model.complain(self, complaint)
         if not complaints:
             self.equations(model, pose)
-            for label, slip in self.slips(self.markers, pose):
+            for label, slip in self.slips(self.markers, pose, self.scalars):
                 model.slip(self.name, label, slip)
             for turn in self.turns(self.markers, pose, self.scalars):
                 model.turning(self.name, turn)

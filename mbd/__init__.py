@@ -49,6 +49,7 @@ if TYPE_CHECKING:
         Slider,
         Universal,
         UserMeasure,
+        Wheel,
     )
     from .linearisation import Linearization, linearize
     from .marker import Marker
@@ -89,6 +90,7 @@ _HOMES = {
         "Slider",
         "Universal",
         "UserMeasure",
+        "Wheel",
     ),
     "solvers": ("Automatic", "DormandPrince", "Gauss", "GeneralizedAlpha", "Radau"),
     "errors": ("SceneError", "SceneWarning", "SimulationError"),
@@ -166,6 +168,7 @@ __all__ = [
     "TorsionSpring",
     "Universal",
     "UserMeasure",
+    "Wheel",
     "WorkPrecision",
     "__version__",
     "assemble",

@@ -39,7 +39,7 @@ def reaction(joint: Any, pose: Any, q: Array, multipliers: Array) -> Array:
     own = [_standalone(marker, first) for marker, first in zip(joint.markers, firsts)]
     scalars = [-1 - k for k in range(len(joint.scalars))]
     rows = [row for _, row in joint.rows(own, pose, scalars)]
-    turns, slips = joint.turns(own, pose, scalars), [row for _, row in joint.slips(own, pose)]
+    turns, slips = joint.turns(own, pose, scalars), [row for _, row in joint.slips(own, pose, scalars)]
     d = a.dimension
     n = d * firsts[-1] + len(scalars)
     vectors = np.concatenate([value for marker in joint.markers for value in _values(marker, q)], axis=-1)

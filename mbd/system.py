@@ -52,7 +52,8 @@ class System:
     """The numeric system of a scene; ``n`` coordinates, ``m`` equations, ``n_stresses`` independent stresses.
 
     ``affine``: loads are constant in time and linear in q alone. ``driven``: some equations follow functions of time. ``damped``: D is not 0:
-    something is viscous, or loads depend on velocities. ``onsets``: some strains set in, with slopes that are zero before (kernels declare ``sets_in``).
+    something is viscous, or loads depend on velocities. ``onsets``: some strains set in, with slopes that are zero before (their kernels
+    declare ``sets_in``).
     """
 
     def __init__(self, model: Model):

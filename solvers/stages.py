@@ -3,7 +3,8 @@
 GGL-stabilised index 2, with stresses S iterated beside the coordinates; X' = A^-1 (X - x0) / h for stage values X:
     r1 = M (Q' - V) - G' mu                 (where G is constant and nothing driven: mu = 0, V = Q', left out)
     r2 = M V' + B(Q)' S - load(Q, Q', t) + G' Lambda
-    r3 = gamma(Q) - c(t),   r4 = G V - c'(t)                   with c = 0 but where drives act; nonholonomic: r3 = h A (G Q' - c'), which G dQ changes alike
+    r3 = gamma(Q) - c(t),   r4 = G V - c'(t)                   with c = 0 but where drives act
+                                                               of nonholonomic rows r3 = h A (G Q' - c'), which G dQ changes alike
     r5 = C strain(Q) + eta B Q' - S                            so that one step may turn a stiff beam far
 K, D, G, B of the predicted middle of the step serve all stages. The eigenvectors of A^-1 decouple these into one real and
 (s - 1)/2 complex systems; for each eigenvalue z of A^-1 / h

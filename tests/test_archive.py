@@ -56,6 +56,7 @@ def planar() -> mbd.Scene:
     scene.add(mbd.Actuator(turn, force=0.1))
     scene.add(mbd.Friction(turn, force=0.1, speed=0.1))
     scene.add(mbd.KnifeEdge(scene.add(mbd.RigidBody(mass=1.0, inertia=0.1, position=(0, 4))), axis=(1, 0)))
+    scene.add(mbd.Wheel(scene.add(mbd.RigidBody(mass=1.0, inertia=0.1, position=(0, 5))), axis=(1, 0), radius=0.2))
     return scene
 
 

@@ -51,6 +51,48 @@ def test_sleigh() -> None:
     assert np.linalg.norm(result.velocity(body.at())[-1]) == pytest.approx(np.sqrt(2.0 * total[0] / 1.5), rel=1e-9)
 
 
+@pytest.mark.parametrize("solver", [None, mbd.Radau(5)], ids=["default", "Radau"])
+def test_a_wheel_is_driven(solver: Any) -> None:
+    """An engine's torque T on the wheel of a vehicle that turns evenly: speed T t / (m r) along the heading, the turn T t^2 / (2 m r^2)."""
+    scene = mbd.Scene(gravity=(0, 0))
+    body = scene.add(mbd.RigidBody(mass=1.5, inertia=0.5, position=(0, 0), angular_velocity=2.0))
+    wheel = scene.add(mbd.Wheel(body, axis=(3, 0), radius=0.25))
+    scene.add(mbd.Actuator(wheel, force=0.6))
+    result = mbd.simulate(scene, 3.0, rtol=1e-9, solver=solver)
+    pull, w, t = 0.6 / (1.5 * 0.25), 2.0, result.t
+    expected = pull / w**2 * np.stack((np.cos(w * t) + w * t * np.sin(w * t) - 1.0, np.sin(w * t) - w * t * np.cos(w * t)), axis=1)
+    assert np.abs(result.position(body.at()) - expected).max() < 1e-7
+    assert np.abs(result.q[:, wheel.coordinate] - 0.5 * pull / 0.25 * t**2).max() < 1e-7
+    along = np.stack((np.cos(w * t), np.sin(w * t)), axis=1)
+    assert np.sum(result.reaction(wheel)[:, :2] * along, axis=1) == pytest.approx(np.full(t.size, 0.6 / 0.25), abs=1e-7)
+    assert result.audit.energy_error < 1e-7
+
+
+def test_a_wheel_with_inertia_rolls_like_a_heavier_body() -> None:
+    """Through a coupling to a disc: straight ahead, m + J / r^2 move under a force."""
+    scene = mbd.Scene(gravity=(9.81, 0))
+    body = scene.add(mbd.RigidBody(mass=1.5, inertia=0.5, position=(0, 0), velocity=(1.0, 0.0)))
+    disc = scene.add(mbd.RigidBody(mass=1.0, inertia=0.1, position=(0, 3), angular_velocity=4.0))
+    scene.add(mbd.Pin(disc.at(), scene.ground.at(0, 3)))
+    wheel = scene.add(mbd.Wheel(body, axis=(1, 0), radius=0.25))
+    scene.add(mbd.Coupling([(1.0, wheel), (-1.0, scene.add(mbd.Angle(disc, scene.ground)))]))
+    result = mbd.simulate(scene, 1.0, rtol=1e-9)
+    pull = 1.5 * 9.81 / (1.5 + 0.1 / 0.25**2)
+    assert result.position(body.at())[-1] == pytest.approx((1.0 + 0.5 * pull, 0.0), abs=1e-8)
+    assert result.angular_velocity(disc)[-1] == pytest.approx((1.0 + pull) / 0.25, abs=1e-7)
+
+
+def test_edges_do_not_hold_positions_back() -> None:
+    """A joint far away is closed sideways to an edge, as if there were none; then they hold the velocity together."""
+    scene = mbd.Scene(gravity=(0, 0))
+    body = scene.add(mbd.RigidBody(mass=1.5, inertia=0.5, position=(0, 0.2), angle=0.3, velocity=(1, 0), angular_velocity=1.0))
+    scene.add(mbd.PointOnLine(body.at(), scene.ground.at(), axis=(1, 0)))
+    scene.add(mbd.KnifeEdge(body, axis=(1, 0)))
+    state = mbd.assemble(scene).state
+    assert state.q[:2] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert state.v[:2] == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
 def test_order_of_radau() -> None:
     true = mbd.simulate(edge(arm=0.3)[0], 1.0, rtol=1e-12, solver=mbd.DormandPrince()).final
     errors = []
