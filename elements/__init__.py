@@ -7,10 +7,11 @@ from .ancf_cable import AncfCable
 from .control import PD
 from .force import Force
 from .force_law import ForceLaw
+from .friction import Friction
 from .particle import Particle
 from .rigid import RigidBody
 from .spring import Spring, TorsionSpring
 from .stop import Stop
 from .torque import Torque
 
-__all__ = ["PD", "AncfCable", "Force", "ForceLaw", "Particle", "RigidBody", "Spring", "Stop", "Torque", "TorsionSpring"]
+__all__ = ["PD", "AncfCable", "Force", "ForceLaw", "Friction", "Particle", "RigidBody", "Spring", "Stop", "Torque", "TorsionSpring"]

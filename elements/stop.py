@@ -124,6 +124,8 @@ class StopSprings:
 class StopDampers:
     """The kernel of the dampers of all stops."""
 
+    sets_in = True
+
     def __init__(self, *, at: NDArray[np.intp], limits: Array, width: Array, damping: Array):
         self.penetration = _Penetration(at, limits, width)
         self.dofs, self.items, self.m = self.penetration.dofs, at.size, 1
@@ -138,6 +140,9 @@ class StopDampersAt:
 
     def __init__(self, dofs: NDArray[np.intp], value: Array, slope: Array, bend: Array):
         self.dofs, self.value, self.slope, self.bend = dofs, value, slope, bend
+
+    def frozen(self) -> StopDampersAt:
+        return self
 
     def pull(self, stress: Array) -> Array:
         return self.slope * stress

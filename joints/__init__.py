@@ -8,6 +8,7 @@ from .beam_slider import BeamSlider
 from .couplings import Coupling
 from .drives import Motor, Prescribed
 from .gears import Gear, Rack
+from .knife_edge import KnifeEdge, Wheel
 from .lines import PointOnLine, Slider
 from .measures import Angle, Displacement, Length
 from .pairs import Ball, Clamp, Distance, Pin
@@ -26,6 +27,7 @@ __all__ = [
     "Displacement",
     "Distance",
     "Gear",
+    "KnifeEdge",
     "Length",
     "Motor",
     "Pin",
@@ -37,4 +39,5 @@ __all__ = [
     "Slider",
     "Universal",
     "UserMeasure",
+    "Wheel",
 ]

@@ -11,6 +11,7 @@ from mbd import validate
 from mbd.affine import Affine, Array
 from mbd.marker import Marker, frame
 from mbd.rows import Row, coincide, cross, dot
+from mbd.slip import SlipRow
 from mbd.turn import Turning
 
 if TYPE_CHECKING:
@@ -69,6 +70,10 @@ class Joint:
     def turns(self, *markers_pose_scalars: Any) -> list[Turning]:
         return []
 
+    def slips(self, *markers_pose_scalars: Any) -> list[tuple[str, SlipRow]]:
+        """Equations of velocities alone, labelled."""
+        return []
+
     def place(self, site: Site) -> Placed:
         return PlacedJoint(self, site)
 
@@ -91,6 +96,9 @@ class Placed:
     def turns(self, markers: Sequence[Marker], pose: Pose, scalars: list[int]) -> list[Turning]:
         return self.description.turns(*markers, pose, scalars)
 
+    def slips(self, markers: Sequence[Marker], pose: Pose, scalars: list[int]) -> list[tuple[str, SlipRow]]:
+        return self.description.slips(*markers, pose, scalars)
+
     def assemble(self, model: Model) -> None:
         pose = self.pose(model.q0)
         complaints = self.description.misfits(pose)
@@ -98,6 +106,8 @@ class Placed:
             model.complain(self, complaint)
         if not complaints:
             self.equations(model, pose)
+            for label, slip in self.slips(self.markers, pose, self.scalars):
+                model.slip(self.name, label, slip)
             for turn in self.turns(self.markers, pose, self.scalars):
                 model.turning(self.name, turn)
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .branches import continuation
     from .diagnosis import Structure
     from .driven import kinematics
-    from .elements import PD, AncfCable, Force, ForceLaw, Particle, RigidBody, Spring, Stop, Torque, TorsionSpring
+    from .elements import PD, AncfCable, Force, ForceLaw, Friction, Particle, RigidBody, Spring, Stop, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
     from .joints import (
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
         Displacement,
         Distance,
         Gear,
+        KnifeEdge,
         Length,
         Motor,
         Pin,
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
         Slider,
         Universal,
         UserMeasure,
+        Wheel,
     )
     from .linearisation import Linearization, linearize
     from .marker import Marker
@@ -67,7 +69,7 @@ if TYPE_CHECKING:
     from .vibration import Modes, modes
 
 _HOMES = {
-    "elements": ("PD", "AncfCable", "Force", "ForceLaw", "Particle", "RigidBody", "Spring", "Stop", "Torque", "TorsionSpring"),
+    "elements": ("PD", "AncfCable", "Force", "ForceLaw", "Friction", "Particle", "RigidBody", "Spring", "Stop", "Torque", "TorsionSpring"),
     "joints": (
         "Actuator",
         "Angle",
@@ -79,6 +81,7 @@ _HOMES = {
         "Displacement",
         "Distance",
         "Gear",
+        "KnifeEdge",
         "Length",
         "Motor",
         "Pin",
@@ -90,6 +93,7 @@ _HOMES = {
         "Slider",
         "Universal",
         "UserMeasure",
+        "Wheel",
     ),
     "solvers": ("Automatic", "DormandPrince", "Gauss", "GeneralizedAlpha", "Radau"),
     "errors": ("SceneError", "SceneWarning", "SimulationError"),
@@ -137,9 +141,11 @@ __all__ = [
     "Event",
     "Force",
     "ForceLaw",
+    "Friction",
     "Gauss",
     "Gear",
     "GeneralizedAlpha",
+    "KnifeEdge",
     "Length",
     "Linearization",
     "Marker",
@@ -169,6 +175,7 @@ __all__ = [
     "TorsionSpring",
     "Universal",
     "UserMeasure",
+    "Wheel",
     "WorkPrecision",
     "__version__",
     "assemble",

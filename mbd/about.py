@@ -50,7 +50,7 @@ class About:
         self.multipliers = about.multipliers if isinstance(about, Equilibrium) else self._released()
         still = np.zeros(system.n)
         self.stiffness = system.stiffness(self.q, still, self.inputs, self.stress, self.multipliers)
-        self.damping: Array | None = None if system.viscosity is None else system.damping(self.q)
+        self.damping: Array | None = system.damping(self.q, still, self.inputs) if system.damped else None
 
     def _refuse_motion(self, state: State) -> None:
         speed = np.abs(state.v) * self.system.levers
@@ -64,7 +64,7 @@ class About:
         from .solvers.start import mass_factor
 
         system, factor = self.system, mass_factor(self.system, self.linear, self.q)
-        load = np.broadcast_to(system.load(self.q, self.inputs), system.n)
+        load = np.broadcast_to(system.load(self.q, np.zeros(system.n), self.inputs), system.n)
         elastic = -system.strains(self.q).pull(self.stress) if system.n_stresses else np.zeros(system.n)
         a, multipliers = factor.solve(np.stack((load, elastic)), np.zeros((2, system.m)))
         scale = self.linear.scale[: system.n]

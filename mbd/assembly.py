@@ -88,7 +88,7 @@ def consistent(system: System, state: State) -> Assembly:
         raise SceneError([conflict(system, rows, "the joints lock on the way to a position that satisfies them")]) from None
     linear.origin = q
     unmet = (system.joints.at(q).push(v) - goal.rate) * linear.reach
-    scale = float(np.max(np.abs(v) * system.levers, initial=0.0))
+    scale = float(np.max(np.abs((v, state.v)) * system.levers, initial=0.0))  # joints may leave rounding of the velocities described
     if np.max(np.abs(unmet), initial=0.0) > max(1e-6 * scale, STANDSTILL * system.length):
         what = "velocities cannot satisfy them together" + (" (with the drives: a dead centre)" if redundant and system.driven else "")
         raise SceneError([conflict(system, [int(np.argmax(np.abs(unmet)))], what)])

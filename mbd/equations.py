@@ -14,13 +14,15 @@ from .constraint import Quadratic
 from .model import Model
 from .relation import Relations
 from .scatter import Scatter
+from .slip import Slip
 from .target import Targets
 from .track import OnTrack
 from .turn import Turn
 
 
 class Joints:
-    """All equations of a scene, gamma(q) = c(t): the quadratic rows, then the turning angles, points that slide along cables, relations.
+    """All equations of a scene, gamma(q) = c(t): the quadratic rows, then the turning angles, points that slide along cables, relations, and
+    rows that hold for velocities only (their numbers: ``slips``), whose gamma is zero.
 
     ``linear``: G is constant and nothing is driven, so that g = 0 at all times implies G v = 0. ``quadratic``: no row is of another kind.
     """
@@ -30,14 +32,18 @@ class Joints:
         self.labels = [(item, label) for item, label, _ in model.equations] + [(item, "turn") for item, _ in model.turns]
         self.labels += [(item, f"position {axis}") for item, _ in model.tracks for axis in "xyz"[: model.dimension]]
         self.labels += [(item, "relation") for item, _ in model.relations]
+        self.labels += [(item, label) for item, label, _ in model.slips]
         if model.equations:
             self.kernels.append(Quadratic([row for *_, row in model.equations], model.n))
         if model.turns:
             self.kernels.append(Turn([turn for _, turn in model.turns], model.n))
         self.kernels += [OnTrack(track, item, model.n) for item, track in model.tracks]
         self.kernels += [Relations(relation, model.n) for _, relation in model.relations]
+        if model.slips:
+            self.kernels.append(Slip([row for *_, row in model.slips], model.n))
         first = np.concatenate(([0], np.cumsum([kernel.m for kernel in self.kernels], dtype=int)))
         self.m, self.n = int(first[-1]), model.n
+        self.slips = np.arange(self.m - len(model.slips), self.m)
         self.spans = [slice(int(a), int(b)) for a, b in zip(first[:-1], first[1:])]
         empty = [np.zeros(0, np.intp)]
         self.rows = np.concatenate([kernel.rows + a for kernel, a in zip(self.kernels, first)] or empty)

@@ -75,12 +75,12 @@ class Loading:
 
     def load(self, q: Array, s: float) -> Array:
         """[n]."""
-        return self.system.load(q, self.inputs(s)) - self.system.constant_force + self._constant + s * self._growing
+        return self.system.load(q, self._still, self.inputs(s)) - self.system.constant_force + self._constant + s * self._growing
 
     def rate(self, q: Array) -> Array:
         """d load/ds [n]."""
         only = Shares([0.0 * share for share in self._shares.share], self._shares.share)
-        return self.system.load(q, only.at(self._inputs, 1.0)) - self.system.constant_force + self._growing
+        return self.system.load(q, self._still, only.at(self._inputs, 1.0)) - self.system.constant_force + self._growing
 
     def target(self, s: float) -> Array:
         """c [m], or what broadcasts to it."""

@@ -11,6 +11,7 @@ from .affine import Affine, Array
 from .layout import Layout
 from .relation import Relation
 from .rows import Row, shifted
+from .slip import SlipRow
 from .target import Target
 from .track import Track
 from .turn import Turning
@@ -37,6 +38,7 @@ class Model:
         self.internal: set[str] = set()
         self.turns: list[tuple[str, Turning]] = []
         self.relations: list[tuple[str, Relation]] = []
+        self.slips: list[tuple[str, str, SlipRow]] = []
         self.tracks: list[tuple[str, Track]] = []
         self.strains: dict[tuple[type, tuple], list[dict[str, Any]]] = {}
         self.loads: dict[tuple[type, tuple], list[dict[str, Any]]] = {}
@@ -83,6 +85,10 @@ class Model:
     def relation(self, item: str, relation: Relation) -> None:
         """A coordinate that is a function of others."""
         self.relations.append((item, relation))
+
+    def slip(self, item: str, label: str, row: SlipRow) -> None:
+        """A constraint on velocities alone."""
+        self.slips.append((item, label, row))
 
     def track(self, item: str, track: Track) -> None:
         """A point that slides along a cable: d equations."""

@@ -14,6 +14,7 @@ from .affine import Affine, Array
 from .constraint import Quadratic
 from .marker import Marker
 from .scatter import Scatter
+from .slip import Slip
 from .turn import Turn
 
 
@@ -38,12 +39,12 @@ def reaction(joint: Any, pose: Any, q: Array, multipliers: Array) -> Array:
     own = [_standalone(marker, first) for marker, first in zip(joint.markers, firsts)]
     scalars = [-1 - k for k in range(len(joint.scalars))]
     rows = [row for _, row in joint.rows(own, pose, scalars)]
-    turns = joint.turns(own, pose, scalars)
+    turns, slips = joint.turns(own, pose, scalars), [row for _, row in joint.slips(own, pose, scalars)]
     d = a.dimension
     n = d * firsts[-1] + len(scalars)
     vectors = np.concatenate([value for marker in joint.markers for value in _values(marker, q)], axis=-1)
     table = np.concatenate((vectors, q[..., joint.scalars[::-1]]), axis=-1) if scalars else vectors
-    kernels: list[Any] = ([Quadratic(rows, n)] if rows else []) + ([Turn(turns, n)] if turns else [])
+    kernels: list[Any] = ([Quadratic(rows, n)] if rows else []) + ([Turn(turns, n)] if turns else []) + ([Slip(slips, n)] if slips else [])
     dense, first = np.zeros((*q.shape[:-1], n)), 0
     for kernel in kernels:
         share = multipliers[..., first : first + kernel.m]

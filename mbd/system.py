@@ -6,7 +6,7 @@
 
 M is constant, a matrix over the rows of the table times the identity of d; it may be semidefinite. C and eta are diagonal.
 Arrays have any leading axes (stages, time samples) before the coordinates: q, v [..., n], lambda [..., m], sigma [..., n_stresses].
-Tangents: K = d(M a - f + B' sigma + G' lambda)/dq, D = B' eta B, as values on constant patterns of rows and columns.
+Tangents: K = d(M a - f + B' sigma + G' lambda)/dq, D = B' eta B - df/dv, as values on constant patterns of rows and columns.
 """
 
 from __future__ import annotations
@@ -51,7 +51,9 @@ class Inputs:
 class System:
     """The numeric system of a scene; ``n`` coordinates, ``m`` equations, ``n_stresses`` independent stresses.
 
-    ``affine``: loads are constant in time and linear in q. ``driven``: some equations follow functions of time.
+    ``affine``: loads are constant in time and linear in q alone. ``driven``: some equations follow functions of time. ``damped``: D is not 0:
+    something is viscous, or loads depend on velocities. ``onsets``: some strains set in, with slopes that are zero before (their kernels
+    declare ``sets_in``).
     """
 
     def __init__(self, model: Model):
@@ -72,12 +74,15 @@ class System:
         self.modulus = np.concatenate([kernel.modulus.ravel() for kernel in self.measures] or [np.zeros(0)])
         viscosity = np.concatenate([kernel.viscosity.ravel() for kernel in self.measures] or [np.zeros(0)])
         self.viscosity: Array | None = viscosity if viscosity.any() else None
+        self.onsets = any(getattr(kernel, "sets_in", False) for kernel in self.measures)
         local = [kernel.dofs.ravel() for kernel in self.measures] or [np.zeros(0, np.intp)]
         self.scatter = Scatter(np.concatenate(local), self.n)
         self.loads = build(model.loads)
         self.load_scatters = [Scatter(kernel.dofs, self.n) for kernel in self.loads]
         self.steady = all(signal.function is None for kernel in self.loads for signal in kernel.signals)
-        self.affine = self.steady and all(kernel.linear_in_q for kernel in self.loads)
+        self._rated = [getattr(kernel, "depends_on_rate", False) for kernel in self.loads]  # then methods take (q, v, inputs)
+        self.affine = self.steady and not any(self._rated) and all(kernel.linear_in_q for kernel in self.loads)
+        self.damped = self.viscosity is not None or any(self._rated)
         self.driven = bool(model.drives)
         self._compile_tangent()
 
@@ -121,7 +126,8 @@ class System:
         loads = [pairs(self.loads[i].dofs) for i in self._moving_loads]
         curves = [(self.joints.curvature_rows, self.joints.curvature_cols)]
         empty = [(np.zeros(0, np.intp), np.zeros(0, np.intp))]
-        self.damping_rows, self.damping_cols = (np.concatenate(part) for part in zip(*(strains if self.viscosity is not None else empty)))
+        damped = [*(strains if self.viscosity is not None else []), *(pairs(kernel.dofs) for kernel, rated in zip(self.loads, self._rated) if rated)]
+        self.damping_rows, self.damping_cols = (np.concatenate(part) for part in zip(*(damped or empty)))
         self.stiffness_rows, self.stiffness_cols = (np.concatenate(part) for part in zip(*(strains + curves + loads)))
 
     def strains(self, q: Array) -> Strains:
@@ -131,11 +137,11 @@ class System:
         """What loads and drives are given as functions of time, at times t [...]."""
         return Inputs(self, np.asarray(t, dtype=float))
 
-    def load(self, q: Array, inputs: Inputs) -> Array:
+    def load(self, q: Array, v: Array, inputs: Inputs) -> Array:
         """Weight, forces and torques [..., n]; [n] where they are constant."""
         total = self.constant_force
-        for kernel, scatter, values in zip(self.loads, self.load_scatters, inputs.loads):
-            local = kernel.force(q, values)
+        for kernel, rated, scatter, values in zip(self.loads, self._rated, self.load_scatters, inputs.loads):
+            local = kernel.force(q, v, values) if rated else kernel.force(q, values)
             local = np.broadcast_to(local, (*q.shape[:-1], *local.shape[-2:]))
             total = total + scatter(local.reshape(*q.shape[:-1], -1))
         return total
@@ -147,7 +153,7 @@ class System:
 
     def force(self, q: Array, v: Array, inputs: Inputs) -> Array:
         """f - B' sigma [..., n]: everything but the joints."""
-        total = self.load(q, inputs)
+        total = self.load(q, v, inputs)
         if self.measures:
             at = self.strains(q)
             total = total - at.pull(self.stress(at, v))
@@ -160,13 +166,19 @@ class System:
             parts.append((strains or self.strains(q)).stiffness(stress, self.modulus, None if self.viscosity is None else v))
         parts.append(self.joints.at(q).curvature(multipliers))
         for i in self._moving_loads:
-            parts.append(-self.loads[i].gradient(q, inputs.loads[i]).ravel())
+            kernel, values = self.loads[i], inputs.loads[i]
+            parts.append(-(kernel.gradient(q, v, values) if self._rated[i] else kernel.gradient(q, values)).ravel())
         return np.concatenate(parts)
 
-    def damping(self, q: Array) -> Array:
-        """Values of D on (damping_rows, damping_cols) at one configuration; only asked of scenes with viscosity."""
-        assert self.viscosity is not None
-        return self.strains(q).stiffness(np.zeros(self.n_stresses), self.viscosity, None)
+    def damping(self, q: Array, v: Array, inputs: Inputs) -> Array:
+        """Values of D on (damping_rows, damping_cols) at one state; only asked of scenes that are ``damped``."""
+        parts = []
+        if self.viscosity is not None:
+            parts.append(self.strains(q).stiffness(np.zeros(self.n_stresses), self.viscosity, None))
+        for kernel, rated, values in zip(self.loads, self._rated, inputs.loads):
+            if rated:
+                parts.append(-kernel.rate_gradient(q, v, values).ravel())
+        return np.concatenate(parts)
 
     def kinetic(self, v: Array) -> Array:
         return 0.5 * np.sum(v * self.mass(v), axis=-1)
@@ -185,7 +197,7 @@ class System:
 
     def power(self, q: Array, v: Array, inputs: Inputs, multipliers: Array | None = None) -> Array:
         """[...] of loads, dampers and, given the multipliers [..., m], drives [W]; gravity and elastic forces are in the energy."""
-        total = np.sum((self.load(q, inputs) - self.weight) * v, axis=-1)
+        total = np.sum((self.load(q, v, inputs) - self.weight) * v, axis=-1)
         if self.viscosity is not None:
             total = total - np.sum(self.viscosity * self.strains(q).push(v) ** 2, axis=-1)
         if self.joints.drives and multipliers is not None:

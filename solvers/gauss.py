@@ -37,8 +37,8 @@ from .coefficients import GaussLobatto, gauss_lobatto, lagrange
 from .formats import Singular
 from .linear import Linear
 from .protocol import Attempt, State
-from .stages import Linearised, Middle
-from .start import Inconsistent, hermite, project_samples, project_velocities
+from .stages import Correction, Linearised, Middle
+from .start import Inconsistent, hermite, project_samples, project_velocities, refuse_slips
 from .system import Array, System, targets
 
 ROUNDING, NOISE = 2e-16, 1e-13  # Newton's goal, and changes that may be noise of the residuals, as shares of the system's length
@@ -109,6 +109,7 @@ class GaussCollocation:
         """Nothing: values inside a step are the ends of shorter ones."""
 
     def first_step(self, system: System, state: State, acceleration: Array, span: float, tolerance: float) -> float:
+        refuse_slips(system, self.name)
         return self.fixed
 
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:
@@ -168,13 +169,15 @@ def _iterate(equations: Equations, x: Unknowns, middle: Middle) -> Attempt | tup
     last, slowest = np.inf, 0.0
     length = equations.system.length + float(np.max(np.abs(equations.q0) * equations.system.levers))
     for k in range(1, ITERATIONS + 1):
-        x, size, g = equations.correct(x, at)
+        change = equations.correct(x, at)
+        x, size, g = change.x, change.size, change.residual
         if not np.isfinite(size):
             break
-        rate, last = size / last, size
+        rate, last = size / last if last else np.inf, size
         slowest = max(slowest, rate if size > NOISE * length else 0.0)
         settled = 0.0 < rate < 1.0 and rate / (1.0 - rate) * size <= ROUNDING * length
-        if settled or size <= ROUNDING * length or (k > 2 and rate > SLOW and size <= NOISE * length):
+        settled = settled or size <= ROUNDING * length or (k > 2 and rate > SLOW and size <= NOISE * length)
+        if settled and at.unseen(change.strains, change.stress_change) <= NOISE * length:
             return x, slowest, k
         if k > 2 and rate > SLOW:
             at, last = equations.derivatives(equations.middle(x)), np.inf
@@ -204,14 +207,15 @@ class Equations:
         b = self.table.b
         return Middle(self.q0 + b @ x.dq, b @ self.velocity(x.dq), b @ self.table.pull @ x.multipliers, self.table.sample_weights @ x.stress)
 
-    def correct(self, x: Unknowns, at: Linearised) -> tuple[Unknowns, float, Array]:
-        """The next iterate, the size of its change as a length, and the residual of g [s, m]."""
-        system, table, v = self.system, self.table, self.velocity(x.dq)
-        q, joints, stress = self.q0 + table.spread @ x.dq, system.joints.at(self.points(x.dq)), x.stress
-        r2 = system.mass(self.velocity(v - self.v0)) - table.gather @ np.broadcast_to(system.load(q, self.inputs), q.shape)
+    def correct(self, x: Unknowns, at: Linearised) -> Correction:
+        """One step of Newton's iteration."""
+        strains, system, table, v = None, self.system, self.table, self.velocity(x.dq)
+        q, rate = self.q0 + table.spread @ x.dq, table.slope @ v
+        joints, stress = system.joints.at(self.points(x.dq)), x.stress
+        r2 = system.mass(self.velocity(v - self.v0)) - table.gather @ np.broadcast_to(system.load(q, rate, self.inputs), q.shape)
         if system.n_stresses:
             strains = system.strains(q)
-            r5 = system.stress(strains, table.slope @ v) - stress
+            r5 = system.stress(strains, rate) - stress
             r2 = r2 + table.gather @ (strains.pull(stress) + at.pull(r5))
         if system.m:
             r2 = r2 + table.pull @ joints.pull(x.multipliers)
@@ -221,7 +225,8 @@ class Equations:
         multipliers[:-1] += table.pull_inverse @ y
         if system.n_stresses:
             stress = stress + r5 + at.stress_change(table.spread @ dq, table.slope @ self.velocity(dq))
-        return Unknowns(x.dq + dq, multipliers, stress), float(np.max(np.abs(dq) * system.levers)), g
+        size = float(np.max(np.abs(dq) * system.levers))
+        return Correction(Unknowns(x.dq + dq, multipliers, stress), size, g, strains, stress - x.stress)
 
     def end(self, x: Unknowns) -> tuple[Array, Array, Array]:
         """q1, v1 [n] and the last multipliers [m]."""

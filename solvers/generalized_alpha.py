@@ -18,15 +18,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from numbers import Real
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .formats import Singular
 from .linear import Linear
 from .protocol import Attempt, State
-from .stages import Stages
-from .start import Inconsistent, accelerations, hermite, mass_factor, project_positions, project_samples, project_velocities
+from .stages import Correction, Stages
+from .start import Inconsistent, accelerations, hermite, mass_factor, project_positions, project_samples, project_velocities, refuse_slips
 from .system import Array, System, targets
 
 NEWTON = 1e-11  # Newton's error as a share of the system's length: far below what steps of second order can resolve
@@ -82,6 +82,7 @@ class ChungHulbert:
         return memory if memory.inner else None
 
     def first_step(self, system: System, state: State, acceleration: Array, span: float, tolerance: float) -> float:
+        refuse_slips(system, self.name)
         return self.fixed
 
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:
@@ -135,12 +136,14 @@ class ChungHulbert:
         at, last, slowest = Tangents(equations, x), np.inf, 0.0
         goal = NEWTON * equations.system.length
         for k in range(1, ITERATIONS + 1):
-            x, size, g = equations.correct(x, at)
+            change = equations.correct(x, at)
+            x, size, g = change.x, change.size, change.residual
             if not np.isfinite(size):
                 break
-            rate, last = size / last, size
+            rate, last = size / last if last else np.inf, size
             slowest = max(slowest, rate)
-            if size <= 1e-2 * goal or (0.0 < rate < 1.0 and rate / (1.0 - rate) * size <= goal):
+            settled = size <= 1e-2 * goal or (0.0 < rate < 1.0 and rate / (1.0 - rate) * size <= goal)
+            if settled and at.unseen(change.strains, change.stress_change) <= goal:
                 return x, at, slowest, k
             if rate > SLOW:
                 at, last = Tangents(equations, x), np.inf
@@ -167,10 +170,20 @@ class Tangents:
         self.joints = system.joints.at(q)
         self.strains = system.strains(q) if system.n_stresses else None
         stiffness = system.stiffness(q, self.v, equations.inputs, x.stress, x.multipliers)
-        damping = None if system.viscosity is None else system.damping(q)
+        damping = system.damping(q, self.v, equations.inputs) if system.damped else None
         tangent = linear.tangent(self.joints.gradient, stiffness, damping)
         self.factor = linear.factor(tangent, equations.y * equations.z, equations.z, 1.0)
         self.mass_factor = linear.factor(tangent) if equations.stabilised else None
+        self._system = system
+
+    def unseen(self, strains: Any, change: Array) -> float:
+        """As of ``stages.Derivatives``, for one state: what a change of stresses will move by slopes that this correction did not have."""
+        system = self._system
+        if not system.onsets:
+            return 0.0
+        assert self.strains is not None
+        dq, _ = self.factor.solve(self.strains.pull(change) - strains.pull(change), np.zeros(system.m))
+        return float(np.max(np.abs(dq) * system.levers))
 
 
 class Equations:
@@ -194,12 +207,12 @@ class Equations:
     def acceleration(self, v: Array) -> Array:
         return self.w_free + self.y * (v - self.v_free)
 
-    def correct(self, x: Stages, at: Tangents) -> tuple[Stages, float, Array]:
-        """The next iterate, the size of its change as a length, and the residual of g [m]."""
-        system, q, u = self.system, self.q0 + x.dq, self.velocity(x.dq)
+    def correct(self, x: Stages, at: Tangents) -> Correction:
+        """One step of Newton's iteration."""
+        strains, system, q, u = None, self.system, self.q0 + x.dq, self.velocity(x.dq)
         v = x.v if at.mass_factor else u
         joints, stress, drift = system.joints.at(q), x.stress, x.drift
-        r2 = system.mass(self.acceleration(v)) - system.load(q, self.inputs) + (joints.pull(x.multipliers) if system.m else 0.0)
+        r2 = system.mass(self.acceleration(v)) - system.load(q, u, self.inputs) + (joints.pull(x.multipliers) if system.m else 0.0)
         g = joints.value - self.goal.value
         if at.strains is not None:
             strains = system.strains(q)
@@ -219,4 +232,5 @@ class Equations:
             if system.viscosity is not None:
                 stress = stress + system.viscosity * (self.z * at.strains.push(dq) + at.strains.swirl_times(at.v, dq))
         size = float(np.max(np.maximum(np.abs(dq), self.h * np.abs(dv)) * system.levers))
-        return Stages(x.dq + dq, v + dv, x.multipliers + d_multipliers, drift, stress), size, g
+        after = Stages(x.dq + dq, v + dv, x.multipliers + d_multipliers, drift, stress)
+        return Correction(after, size, g, strains, stress - x.stress)

@@ -14,6 +14,7 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from .formats import Singular
@@ -117,6 +118,7 @@ class Normal(Whole):
         self.height = self.half + 1 if self.band else system.m
         self.slots = (j * self.height + (i - j if self.band else i))[lower]
         self.size = system.m * self.height
+        self.alike = self._alike(np.isin(joints.rows, joints.slips)) if joints.slips.size else None
         self.order = order
 
     def rates(self, system: System, w: Array, t: float, out: Array) -> Array:
@@ -127,7 +129,7 @@ class Normal(Whole):
     def land(self, system: System, w: Array, t: float, out: Array) -> Array:
         """Moves w to the joints, in place, and goes on as ``rates``; raises Inconsistent where it finds none near."""
         goal, start = targets(system.inputs(t)), system.joints.at(w[0])
-        near = self._factor(start)
+        near = self._factor(start, self.alike)
 
         def correction(gap: Array) -> Array:
             return self.inverse * start.pull(self._solve(near, gap))
@@ -145,9 +147,16 @@ class Normal(Whole):
         out[0], out[1] = w[1], free - self.inverse * joints.pull(multipliers)
         return multipliers
 
-    def _factor(self, joints: JointsAt) -> Array:
+    def _alike(self, slips: NDArray[np.bool_]) -> Array:
+        """1 for the pairs within positions' equations and within nonholonomic ones, 0 for the others: what keeps projections apart."""
+        return (slips[self.left] == slips[self.right]).astype(float)
+
+    def _factor(self, joints: JointsAt, weights: Array | None = None) -> Array:
+        """The Cholesky factor of S, its pairs of entries weighted. Raises Singular."""
         scaled = joints.gradient * self.root
-        buffer = np.bincount(self.slots, scaled[self.left] * scaled[self.right], minlength=self.size).reshape(-1, self.height).T
+        pairs = scaled[self.left] * scaled[self.right]
+        values = np.bincount(self.slots, pairs if weights is None else pairs * weights, minlength=self.size)
+        buffer = values.reshape(-1, self.height).T
         if self.band:
             factor, info = lapack.dpbtrf(buffer, lower=1, overwrite_ab=1)
             pivots = factor[0]

@@ -45,8 +45,9 @@ class Linear:
         joints = system.joints
         top, left = joints.rows + n, joints.cols
         corner = n + np.arange(m)
-        rows = np.concatenate((system.mass_rows, system.stiffness_rows, top, left, corner))
-        cols = np.concatenate((system.mass_cols, system.stiffness_cols, left, top, corner))
+        rolling = np.setdiff1d(joints.cols[np.isin(joints.rows, joints.slips)], system.mass_rows)
+        rows = np.concatenate((system.mass_rows, system.stiffness_rows, system.damping_rows, top, left, corner, rolling))
+        cols = np.concatenate((system.mass_cols, system.stiffness_cols, system.damping_cols, left, top, corner, rolling))
         order = reverse_cuthill_mckee(rows, cols, self.size)
         self.format: Format = cheapest(self.size, half_bandwidth(rows, cols, order), rows, cols)
         self.order = order if self.format.name == "band" else np.arange(self.size)
@@ -61,6 +62,7 @@ class Linear:
         self._gradient_slots, self._gradient_scale = self._slots(top, left)
         self._both_slots = np.concatenate((self._gradient_slots, self._slots(left, top)[0]))
         self._corner = self._slots(corner, corner)[0]
+        self._slips, self._rows, self._rolling = joints.slips, joints.rows, self._slots(rolling, rolling)[0]
         self._damping_slots, self._damping_scale = self._slots(system.damping_rows, system.damping_cols)
         self.mass = self._fill(self._mass_slots, self._mass_scale * system.mass_values)
         self._constant_gradient = self._gradient(joints.at(q).gradient) if joints.linear else None
@@ -94,6 +96,15 @@ class Linear:
             None if damping is None else self._fill(self._damping_slots, self._damping_scale * damping),
             self._constant_gradient if self._constant_gradient is not None else self._gradient(gradient),
         )
+
+    def tangent_of_positions(self, gradient: Array) -> Tangent:
+        """The same of G alone, without nonholonomic rows: their multipliers are zero, and coordinates without mass that they move stay."""
+        if not self._slips.size:
+            return self.tangent(gradient)
+        filled = self._gradient(np.where(np.isin(self._rows, self._slips), 0.0, gradient))
+        filled[self._corner[self._slips]] -= 1.0
+        filled[self._rolling] += 1.0
+        return Tangent(None, None, filled)
 
     def _gradient(self, values: Array) -> Array:
         scaled = self._gradient_scale * values

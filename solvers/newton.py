@@ -11,7 +11,7 @@ import numpy as np
 from .coupled import Coupled
 from .formats import Singular
 from .linear import Linear
-from .stages import Derivatives, Linearised, Middle, StageEquations, Stages
+from .stages import Correction, Derivatives, Linearised, Middle, StageEquations, Stages
 from .system import Array
 
 STAGNANT = 0.1
@@ -79,8 +79,9 @@ def _simplified(equations: StageEquations, linear: Linear, x: Stages, middle: Mi
 
     watch, at, fresh = Watch(goal), at_middle(middle), True
     for k in range(1, goal.iterations + 1):
-        x, size, g = equations.correct(x, at)
-        verdict = watch.judge(k, x, size)
+        change = equations.correct(x, at)
+        x, g = change.x, change.residual
+        verdict = watch.judge(k, change, at)
         if k > 2 and fresh and watch.ratio > SLOW and verdict not in (CONVERGED, OVERFLOW):
             del at  # its factors make room for the new ones
             at, fresh = at_middle(middle_of(equations, x)), False
@@ -93,8 +94,9 @@ def _simplified(equations: StageEquations, linear: Linear, x: Stages, middle: Mi
 def _full(equations: StageEquations, x: Stages, at: Coupled, goal: Goal) -> Outcome:
     watch = Watch(goal, STEADY)
     for k in range(1, goal.iterations + 1):
-        x, size, g = equations.correct(x, at)
-        verdict = watch.judge(k, x, size)
+        change = equations.correct(x, at)
+        x, g = change.x, change.residual
+        verdict = watch.judge(k, change, at)
         if verdict:
             return watch.outcome(verdict, x, at, k, g)
         if k == 1:
@@ -118,8 +120,14 @@ class Watch:
         """The next ratio would compare two different iterations."""
         self._last = None
 
-    def judge(self, k: int, x: Stages, size: float) -> str:
-        """CONVERGED, ENOUGH, what is wrong, or "" to go on, after change number k, to x."""
+    def judge(self, k: int, change: Correction, at: Derivatives) -> str:
+        """CONVERGED, ENOUGH, what is wrong, or "" to go on, after correction number k."""
+        verdict = self._by_size(k, change.x, change.size)
+        if verdict == CONVERGED and at.unseen(change.strains, change.stress_change) > self.goal.converged:
+            return ""
+        return verdict
+
+    def _by_size(self, k: int, x: Stages, size: float) -> str:
         if not np.isfinite(size):
             return OVERFLOW
         if size < self._best[0]:
@@ -127,7 +135,7 @@ class Watch:
         last, self._last, self.ratio = self._last, size, 0.0
         if size <= 1e-2 * self.goal.converged:
             return CONVERGED
-        if last is None:
+        if not last:
             return ""
         self.ratio = rate = max(size / last, self.slowest)
         self.rate = max(self.rate, rate)

@@ -82,7 +82,7 @@ class ProjectedExplicit:
             if not error <= 1.0:
                 return Attempt(state, error if np.isfinite(error) else 1e8, 8.0, 0.0, 0)
             after = self._landed(system, memory, state.t + h, _end(memory, rates, h))
-            if system.n_stresses:
+            if system.n_stresses or system.damped:
                 stiffness = h * _fastest(memory.form, after.memory.w - states[-1], after.memory.rate - rates[-1])
                 after = after._replace(memory=after.memory._replace(stiffness=stiffness))
         except (Singular, Inconsistent) as trouble:

@@ -139,7 +139,7 @@ class RadauIIA:
 
     def _error(self, equations: StageEquations, linear: Linear, state: State, x: Stages, at: Derivatives, tolerance: float) -> float:
         system, table = equations.system, self.table
-        force = system.load(state.q, system.inputs(state.t))
+        force = system.load(state.q, state.v, system.inputs(state.t))
         if system.n_stresses:
             force = force - system.strains(state.q).pull(state.stress)
         if system.m:

@@ -86,8 +86,8 @@ class Reduced:
     def _affine_load(self, system: System, q: Array) -> Array:
         """[k + 1, k]: the load of (z, 1)."""
         inputs, nowhere = system.inputs(0.0), np.zeros(system.n)
-        slope = np.broadcast_to(system.load(self._across, inputs) - system.load(nowhere, inputs), self._across.shape)
-        return np.concatenate((slope, (nowhere + system.load(q, inputs))[None])) @ self.basis
+        slope = np.broadcast_to(system.load(self._across, nowhere, inputs) - system.load(nowhere, nowhere, inputs), self._across.shape)
+        return np.concatenate((slope, (nowhere + system.load(q, nowhere, inputs))[None])) @ self.basis
 
     def enter(self, q: Array, v: Array) -> Array:
         """w of q, v on the joints."""

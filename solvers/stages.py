@@ -4,6 +4,7 @@ GGL-stabilised index 2, with stresses S iterated beside the coordinates; X' = A^
     r1 = M (Q' - V) - G' mu                 (where G is constant and nothing driven: mu = 0, V = Q', left out)
     r2 = M V' + B(Q)' S - load(Q, Q', t) + G' Lambda
     r3 = gamma(Q) - c(t),   r4 = G V - c'(t)                   with c = 0 but where drives act
+                                                               of nonholonomic rows r3 = h A (G Q' - c'), which G dQ changes alike
     r5 = C strain(Q) + eta B Q' - S                            so that one step may turn a stiff beam far
 K, D, G, B of the predicted middle of the step serve all stages. The eigenvectors of A^-1 decouple these into one real and
 (s - 1)/2 complex systems; for each eigenvalue z of A^-1 / h
@@ -38,6 +39,17 @@ class Stages(NamedTuple):
     stress: Array
 
 
+class Correction(NamedTuple):
+    """What one correction leads to: the next iterate, the size of its change as a length, the residual of g [s, m] before it, and what
+    stresses were computed with: strains before it (None where nothing is elastic), change of the stresses."""
+
+    x: Any
+    size: float
+    residual: Array
+    strains: Any
+    stress_change: Array
+
+
 class Middle(NamedTuple):
     """The configuration whose derivatives serve the whole step."""
 
@@ -61,7 +73,7 @@ class Derivatives:
         strains = system.strains(middle.q) if system.n_stresses else None
         self.stiffness = system.stiffness(middle.q, middle.v, inputs, middle.stress, middle.multipliers, strains=strains)
         self.strains = strains if strains is None or system.viscosity is not None else strains.frozen()
-        self.damping = None if system.viscosity is None else system.damping(middle.q)
+        self.damping = system.damping(middle.q, middle.v, inputs) if system.damped else None
 
     def solve(self, top: Array, bottom: Array) -> tuple[Array, Array]:
         """The stage system: right sides [s, n] and [s, m]."""
@@ -78,6 +90,19 @@ class Derivatives:
         if system.viscosity is not None:
             change = change + system.viscosity * (self.strains.push(rate) + self.strains.swirl_times(self.v, dq))
         return change
+
+    def unseen(self, strains: Any, change: Array) -> float:
+        """What a change of stresses [s, n_stresses] will move by the slopes of each stage, and has not by those of the middle, as a length:
+        where a strain sets in within the step, the middle has no slope, and the first correction of positions is zero whatever the stress."""
+        if not self.system.onsets:
+            return 0.0
+        gap = self.gathered(self.pull(change) - strains.pull(change))
+        dq, _ = self.solve(gap, np.zeros((len(gap), self.system.m)))
+        return float(np.max(np.abs(dq) * self.system.levers))
+
+    def gathered(self, force: Array) -> Array:
+        """Forces [s, n] at the stages from those where stresses are taken: the same points, unless a method says otherwise."""
+        return force
 
     def velocity_swirl(self, dq: Array) -> Array:
         """d(G v)/dq dq [s, m]."""
@@ -96,6 +121,9 @@ class Linearised(Derivatives):
         z = table.eigenvalues / h
         self.factors = [linear.factor(self.tangent, x * x, x, 1.0) for x in (*z[: table.real].real, *z[table.real :])]
         self.real_factor = self.factors[0]
+
+    def gathered(self, force: Array) -> Array:
+        return self.table.gather @ force if isinstance(self.table, GaussLobatto) else force
 
     @cached_property
     def mass_factor(self) -> Factor | None:
@@ -129,13 +157,13 @@ class StageEquations:
         self.goal = targets(inputs)
         self.rate = table.inverse / h
 
-    def correct(self, x: Stages, at: Derivatives) -> tuple[Stages, float, Array]:
-        """The next iterate, the size of its change as a length, and the residual of g [s, m]."""
-        system = self.system
+    def correct(self, x: Stages, at: Derivatives) -> Correction:
+        """One step of Newton's iteration."""
+        system, strains = self.system, None
         q, q_rate = self.q0 + x.dq, self.rate @ x.dq
         joints = system.joints.at(q)
         v = x.v if at.mass_factor else q_rate
-        r2 = system.mass(self.rate @ (v - self.v0)) - system.load(q, self.inputs)
+        r2 = system.mass(self.rate @ (v - self.v0)) - system.load(q, q_rate, self.inputs)
         if system.n_stresses:
             strains = system.strains(q)
             r5 = system.stress(strains, q_rate) - x.stress
@@ -143,6 +171,8 @@ class StageEquations:
         if system.m:
             r2 = r2 + joints.pull(x.multipliers)
         g = joints.value - self.goal.value
+        if (slips := system.joints.slips).size:
+            g[:, slips] = np.linalg.solve(self.rate, (joints.push(q_rate) - self.goal.rate)[:, slips])
         if at.mass_factor is None:
             dq, d_multipliers = at.solve(-r2, -g)
             dv, drift = self.rate @ dq, x.drift
@@ -156,7 +186,8 @@ class StageEquations:
         stress = x.stress
         if system.n_stresses:
             stress = stress + r5 + at.stress_change(dq, self.rate @ dq)
-        return Stages(x.dq + dq, v + dv, x.multipliers + d_multipliers, drift, stress), self._size(dq, dv), g
+        after = Stages(x.dq + dq, v + dv, x.multipliers + d_multipliers, drift, stress)
+        return Correction(after, self._size(dq, dv), g, strains, stress - x.stress)
 
     def _size(self, dq: Array, dv: Array) -> float:
         """The largest change of a stage's position, or of the final velocity times the step: both are lengths."""

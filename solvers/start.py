@@ -51,15 +51,22 @@ def mass_factor(system: System, linear: Linear, q: Array) -> Factor:
     return linear.constant_factor
 
 
+def refuse_slips(system: System, method: str) -> None:
+    """Raises ValueError for nonholonomic rows."""
+    if system.joints.slips.size:
+        names = ", ".join(dict.fromkeys(repr(system.label(int(row))) for row in system.joints.slips))
+        raise ValueError(f"{method}: expected joints that hold positions, found nonholonomic {names}; use Radau or DormandPrince")
+
+
 def project_positions(
     system: System, linear: Linear, q: Array, target: Array = STILL.value, *, factor: Factor | None = None, sweeps: int = 50, allowed: float = 0.0
 ) -> Array:
-    """q with gamma(q) = target, by Newton's method (with a given factor: the simplified one).
+    """q with gamma(q) = target, by Newton's method (with a given factor: the simplified one). Nonholonomic rows do not hold it back.
 
     Raises Inconsistent where it does not converge, unless a residual of at most the length ``allowed`` was reached on the way.
     """
     floor = floor_of(system, q)
-    best, nearest, fresh, effort = np.inf, q, factor is None, np.zeros(system.m)
+    best, nearest, fresh, effort = np.inf, q, factor is None or bool(system.joints.slips.size), np.zeros(system.m)
     for _ in range(sweeps):
         joints = system.joints.at(q)
         gap = joints.value - target
@@ -72,7 +79,7 @@ def project_positions(
         if worst < best:
             best, nearest = worst, q
         if fresh:
-            factor = linear.factor(linear.tangent(joints.gradient))
+            factor = linear.factor(linear.tangent_of_positions(joints.gradient))
         assert factor is not None
         change, pull = factor.solve(np.zeros(system.n), -gap)
         effort = np.abs(pull) / linear.scale[system.n :]
@@ -142,7 +149,7 @@ def hermite(before: State, after: State, fraction: Array) -> tuple[Array, Array]
 def accelerations(system: System, factor: Factor, q: Array, v: Array, inputs: Any) -> tuple[Array, Array]:
     """a [n] and multipliers [m] at a consistent state; ``factor`` is the mass KKT matrix at q."""
     strains = system.strains(q)
-    force = system.load(q, inputs)
+    force = system.load(q, v, inputs)
     if system.n_stresses:
         force = force - strains.pull(system.stress(strains, v))
     joints = system.joints.at(q)

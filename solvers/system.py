@@ -1,6 +1,6 @@
 """What a solver needs to know of a system, as protocols.
 
-    M dv/dt = load(q, t) - B(q)' sigma - G(q)' lambda,   sigma = C strain(q) + eta d(strain)/dt,   0 = g(q, t) = gamma(q) - c(t)
+    M dv/dt = load(q, v, t) - B(q)' sigma - G(q)' lambda,   sigma = C strain(q) + eta d(strain)/dt,   0 = g(q, t) = gamma(q) - c(t)
 
 q, v [..., n], lambda [..., m], sigma [..., n_stresses] with any leading axes; C (``modulus``) and eta (``viscosity``, None where
 nothing damps) are diagonal. Matrices come as values on constant patterns: M and K on n x n, G on m x n.
@@ -60,7 +60,8 @@ class Joints(Protocol):
     """The equations gamma(q) = c(t) [m].
 
     ``linear``: G is constant and nothing is driven: g = 0 then implies G v = 0. ``quadratic``: all rows are, at most; ``constant_rows``
-    [m] those whose part of G is constant and that nothing drives.
+    [m] those whose part of G is constant and that nothing drives. ``slips``: the numbers of nonholonomic rows, which hold for velocities
+    only; their gamma is 0, and their part of G is the gradient of nothing.
     """
 
     m: int
@@ -68,6 +69,7 @@ class Joints(Protocol):
     cols: Index
     linear: bool
     quadratic: bool
+    slips: Index
     to_rows: Callable[[Array], Array]
 
     @property
@@ -89,7 +91,8 @@ class Strains(Protocol):
 class System(Protocol):
     """A mechanical system; see the module's equations.
 
-    ``affine``: loads are constant in time and linear in q. ``driven``: c depends on time.
+    ``affine``: loads are constant in time and linear in q alone. ``driven``: c depends on time. ``damped``: something is viscous, or loads
+    depend on velocities. ``onsets``: some strains set in, with slopes that are zero before.
     """
 
     n: int
@@ -100,6 +103,8 @@ class System(Protocol):
     modulus: Array
     viscosity: Array | None
     affine: bool
+    damped: bool
+    onsets: bool
     driven: bool
     joints: Any
     mass_rows: Index
@@ -113,10 +118,10 @@ class System(Protocol):
     def mass(self, x: Array) -> Array: ...
     def inputs(self, t: Any) -> Any: ...
     def strains(self, q: Array) -> Any: ...
-    def load(self, q: Array, inputs: Any) -> Array: ...
+    def load(self, q: Array, v: Array, inputs: Any) -> Array: ...
     def force(self, q: Array, v: Array, inputs: Any) -> Array: ...
     def stress(self, strains: Any, v: Array) -> Array: ...
     def stiffness(self, q: Array, v: Array, inputs: Any, stress: Array, multipliers: Array, *, strains: Any = None) -> Array: ...
-    def damping(self, q: Array) -> Array: ...
+    def damping(self, q: Array, v: Array, inputs: Any) -> Array: ...
     def label(self, row: int) -> str: ...
     def coordinate(self, index: int) -> str: ...

@@ -54,6 +54,9 @@ def planar() -> mbd.Scene:
     scene.add(mbd.PD(apart, 2.0, proportional=1.0, derivative=0.1))
     scene.add(mbd.Stop(slid, lower=0.0, upper=0.1, stiffness=10.0, width=0.1))
     scene.add(mbd.Actuator(turn, force=0.1))
+    scene.add(mbd.Friction(turn, force=0.1, speed=0.1))
+    scene.add(mbd.KnifeEdge(scene.add(mbd.RigidBody(mass=1.0, inertia=0.1, position=(0, 4))), axis=(1, 0)))
+    scene.add(mbd.Wheel(scene.add(mbd.RigidBody(mass=1.0, inertia=0.1, position=(0, 5))), axis=(1, 0), radius=0.2))
     return scene
 
 

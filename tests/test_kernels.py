@@ -38,7 +38,7 @@ def stiffness(system: mbd.scene.System, q: np.ndarray, v: np.ndarray) -> np.ndar
 
 
 def damping_matrix(system: mbd.scene.System, q: np.ndarray) -> np.ndarray:
-    return dense(system.damping_rows, system.damping_cols, system.damping(q), (system.n, system.n))
+    return dense(system.damping_rows, system.damping_cols, system.damping(q, np.zeros_like(q), system.inputs(0.0)), (system.n, system.n))
 
 
 def internal(system: mbd.scene.System, q: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -55,7 +55,7 @@ class Loaded(NamedTuple):
 
     def force(self, q: np.ndarray) -> np.ndarray:
         """The generalised force [..., n] of the load: there is no gravity. (The system leaves out leading axes where it is constant.)"""
-        return np.broadcast_to(self.system.load(q, self.system.inputs(0.7)), q.shape)
+        return np.broadcast_to(self.system.load(q, np.zeros_like(q), self.system.inputs(0.7)), q.shape)
 
 
 def loaded(case: Case, rng: np.random.Generator, wrap: Callable[[Any], Any] = lambda value: value) -> Loaded:
@@ -156,7 +156,7 @@ def test_functions_see_the_stage_times() -> None:
     system, times = scene.build(), np.array([0.1, 0.5, 0.9])
     q = np.zeros((3, 4))
     expected = np.stack((times, 2 * times, np.full(3, 5.0), np.sin(times)), axis=1)
-    assert np.array_equal(system.load(q, system.inputs(times)), expected)
+    assert np.array_equal(system.load(q, np.zeros_like(q), system.inputs(times)), expected)
 
 
 # Functions that fail.

@@ -177,7 +177,7 @@ def test_onset_is_smooth() -> None:
         tangent = system.stiffness(q, v, system.inputs(0.0), np.array([stress]), np.zeros(system.m))
         found = dense(system.stiffness_rows, system.stiffness_cols, tangent, (system.n, system.n))[k, k]
         assert found == pytest.approx(7.0 * slope + stress * bend + 3.0 * slope * bend * v[k], abs=1e-11)
-        damping = dense(system.damping_rows, system.damping_cols, system.damping(q), (system.n, system.n))[k, k]
+        damping = dense(system.damping_rows, system.damping_cols, system.damping(q, v, system.inputs(0.0)), (system.n, system.n))[k, k]
         assert damping == pytest.approx(3.0 * slope**2, abs=1e-12)
         many, twice = system.strains(np.stack((q, system.q0))), np.stack((v, v))
         assert many.push(twice)[0] == pytest.approx([slope * v[k]], abs=1e-12)

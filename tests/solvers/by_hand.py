@@ -16,7 +16,7 @@ MASS, LENGTH, GRAVITY = 0.3, 1.7, 9.81
 class Rod:
     """g = (r . r - L^2) / 2 at positions r [..., 2]."""
 
-    m, linear = 1, False
+    m, linear, slips = 1, False, np.zeros(0, dtype=np.intp)
     rows, cols = np.array([0, 0]), np.array([0, 1])
 
     def at(self, r):
@@ -38,7 +38,7 @@ class Pendulum:
 
     n, m, n_stresses = 2, 1, 0
     length, levers = LENGTH, np.ones(2)
-    modulus, viscosity, joints = np.zeros(0), None, Rod()
+    modulus, viscosity, damped, onsets, joints = np.zeros(0), None, False, False, Rod()
     mass_rows = mass_cols = stiffness_rows = stiffness_cols = np.arange(2)
     damping_rows = damping_cols = np.zeros(0, dtype=np.intp)
     mass_values = np.full(2, MASS)
@@ -52,7 +52,7 @@ class Pendulum:
     def strains(self, q):
         return None
 
-    def load(self, q, inputs):
+    def load(self, q, v, inputs):
         return np.broadcast_to([0.0, -MASS * GRAVITY], q.shape)
 
     def stiffness(self, q, v, inputs, stress, multipliers, *, strains=None):

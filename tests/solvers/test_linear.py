@@ -34,7 +34,7 @@ class RandomSystem:
         # Each row of G has a coordinate of its own, so that the rows are independent, and two more.
         cols = np.array([[r, *m + rng.choice(n - m, 2, replace=False)] for r in range(m)])
         self.g_values = rng.normal(size=(m, 3)) + np.array([2.0, 0.0, 0.0])
-        self.joints = SimpleNamespace(m=m, rows=np.repeat(np.arange(m), 3), cols=cols.ravel(), linear=False, at=self._at)
+        self.joints = SimpleNamespace(m=m, rows=np.repeat(np.arange(m), 3), cols=cols.ravel(), linear=False, slips=np.zeros(0, np.intp), at=self._at)
 
     def _at(self, q):
         return SimpleNamespace(gradient=self.g_values.ravel())
