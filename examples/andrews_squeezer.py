@@ -81,6 +81,7 @@ def main(out: str = ".") -> float:
     graph.set(xlabel="t [ms]", ylabel="turn since the start [degrees]", title="turns of four of the bodies")
     graph.legend()
     path = Path(out) / "andrews_squeezer.png"
+    path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=120)
     plt.close(figure)
     print(f"picture in {path}")

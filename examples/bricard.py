@@ -61,6 +61,7 @@ def main(out: str = ".") -> float:
     graph.set(xlabel="t [s]", ylabel="place of the corner [m]")
     graph.legend()
     path = Path(out) / "bricard.png"
+    path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=120)
     plt.close(figure)
     print(f"picture in {path}")

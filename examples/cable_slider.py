@@ -44,6 +44,7 @@ def main(out: str = ".") -> float:
     graph.set(xlabel="t [s]", ylabel="speed of the mass [m/s]")
     graph.grid(alpha=0.3)
     path = Path(out) / "cable_slider.png"
+    path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=120)
     plt.close(figure)
     print(f"picture in {path}")

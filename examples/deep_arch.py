@@ -56,6 +56,7 @@ def main(out: str = ".") -> float:
     graph.set(xlabel="crown's displacement [m]", ylabel="load [N]", title="load and displacement")
     graph.legend(loc="lower right")
     picture = Path(out) / "deep_arch.png"
+    picture.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(picture, dpi=120)
     plt.close(figure)
     print(f"picture in {picture}")

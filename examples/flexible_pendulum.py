@@ -73,6 +73,7 @@ def main(out: str = ".") -> float:
     runs = {elasticity: simulate(elasticity) for elasticity in REFERENCE}
     worst = max(compare(elasticity, *run) for elasticity, run in runs.items())
     path = Path(out) / "flexible_pendulum.png"
+    path.parent.mkdir(parents=True, exist_ok=True)
     picture(*runs["local_frame"], path)
     print(f"\nlargest difference from the references: {worst:.1e} m; picture in {path}")
     return worst

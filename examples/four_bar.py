@@ -62,6 +62,7 @@ def main(out: str = ".") -> float:
     graph.set(xlabel="angle of the crank [degrees]", ylabel="angle of the rocker [degrees]", title="the rocker's swing", xticks=range(0, 361, 60))
     graph.grid(alpha=0.3)
     path = Path(out) / "four_bar.png"
+    path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=120)
     plt.close(figure)
     print(f"picture in {path}")

@@ -55,6 +55,7 @@ def main(out: str = ".") -> float:
     graph.set(xlabel="t [s]", ylabel="place [m], speed [m/s]", ylim=(-0.65, 1.65), title="slow one way, fast back (dotted: the lever turns back)")
     graph.legend(loc="upper center")
     path = Path(out) / "quick_return.png"
+    path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=120)
     plt.close(figure)
     print(f"picture in {path}")

@@ -64,6 +64,7 @@ def main(out: str = ".") -> float:
     other.plot(result.t, torque, color="C1", linewidth=0.8)
     other.set_ylabel("torque of the motor [N m]", color="C1")
     path = Path(out) / "slider_crank.png"
+    path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=120)
     plt.close(figure)
     print(f"picture in {path}")

@@ -49,6 +49,7 @@ def main(out: str = ".") -> float:
     graph.set(xlabel="t [s]", ylabel="tip, across the hub's axis [m]", title="lag of the tip")
     graph.legend(loc="lower right")
     path = Path(out) / "spin_up_beam.png"
+    path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=120)
     plt.close(figure)
     print(f"picture in {path}")

@@ -55,9 +55,9 @@ def test_every_example_has_a_limit():
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_number_and_picture(name, tmp_path, capsys):
-    assert example(name).main(str(tmp_path)) < WORST[name]
-    picture = tmp_path / f"{name}.png"
-    assert list(tmp_path.iterdir()) == [picture] and 0.02 < painted(picture) < 0.5
+    assert example(name).main(str(tmp_path / "new" / "folder")) < WORST[name]
+    picture = tmp_path / "new" / "folder" / f"{name}.png"
+    assert list(picture.parent.iterdir()) == [picture] and 0.02 < painted(picture) < 0.5
     text = capsys.readouterr().out
     assert f"picture in {picture}" in text
     assert all(words in text for words in PRINTED.get(name, ()))
