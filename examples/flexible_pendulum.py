@@ -1,12 +1,13 @@
 """The flexible pendulum of Escalona, Hussien and Shabana (1998), J. Sound Vib. 214, 833-851: a soft beam pinned at one end falls from rest.
 
-    python examples/flexible_pendulum.py [picture.png]
+    python examples/flexible_pendulum.py [--out DIR]
 
 Prints the tip's positions beside reference values, the audit and the statistics, and draws the deformed shapes (the paper's Fig. 4) and
 the path of the tip beside the circle of a rigid pendulum (Fig. 5). Once with the paper's element, once with the continuum's strains.
 """
 
-import sys
+import argparse
+from pathlib import Path
 
 import numpy as np
 
@@ -49,7 +50,7 @@ def compare(elasticity: str, result: mbd.Result, tip: mbd.Marker) -> float:
     return float(np.max(np.abs(found - expected)))
 
 
-def picture(result: mbd.Result, tip: mbd.Marker, path: str) -> None:
+def picture(result: mbd.Result, tip: mbd.Marker, path: Path) -> None:
     import matplotlib.pyplot as plt
 
     from mbd.plot import plot_path
@@ -67,14 +68,18 @@ def picture(result: mbd.Result, tip: mbd.Marker, path: str) -> None:
     plt.close(figure)
 
 
-def main(path: str = "flexible_pendulum.png") -> float:
+def main(out: str = ".") -> float:
     """Runs both, writes the picture; returns the largest difference from the references [m]."""
     runs = {elasticity: simulate(elasticity) for elasticity in REFERENCE}
     worst = max(compare(elasticity, *run) for elasticity, run in runs.items())
+    path = Path(out) / "flexible_pendulum.png"
+    path.parent.mkdir(parents=True, exist_ok=True)
     picture(*runs["local_frame"], path)
     print(f"\nlargest difference from the references: {worst:.1e} m; picture in {path}")
     return worst
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:2])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", default=".", help="folder of the picture")
+    main(**vars(parser.parse_args()))
