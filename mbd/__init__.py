@@ -21,6 +21,7 @@ if not (_here / "elements").is_dir():
 if TYPE_CHECKING:
     from .archive import load
     from .assembly import assemble
+    from .derivations.scene_equations import Equations, equations
     from .elements import AncfCable, Force, Particle, RigidBody, Spring, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
@@ -47,6 +48,7 @@ _HOMES = {
     "result": ("Result",),
     "scene": ("Scene",),
     "assembly": ("assemble",),
+    "derivations.scene_equations": ("Equations", "equations"),
     "run": ("simulate",),
     "state": ("State",),
     "precision": ("WorkPrecision", "work_precision"),
@@ -62,6 +64,7 @@ __all__ = [
     "Clamp",
     "Distance",
     "DormandPrince",
+    "Equations",
     "Event",
     "Force",
     "Gauss",
@@ -88,6 +91,7 @@ __all__ = [
     "WorkPrecision",
     "__version__",
     "assemble",
+    "equations",
     "load",
     "piecewise",
     "simulate",
