@@ -21,7 +21,7 @@ if not (_here / "elements").is_dir():
 if TYPE_CHECKING:
     from .archive import load
     from .assembly import assemble
-    from .derivations.scene_equations import Equations, equations
+    from .derivations.scene_equations import equations
     from .elements import AncfCable, Force, Particle, RigidBody, Spring, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
@@ -48,7 +48,7 @@ _HOMES = {
     "result": ("Result",),
     "scene": ("Scene",),
     "assembly": ("assemble",),
-    "derivations.scene_equations": ("Equations", "equations"),
+    "derivations.scene_equations": ("equations",),
     "run": ("simulate",),
     "state": ("State",),
     "precision": ("WorkPrecision", "work_precision"),
@@ -64,7 +64,6 @@ __all__ = [
     "Clamp",
     "Distance",
     "DormandPrince",
-    "Equations",
     "Event",
     "Force",
     "Gauss",

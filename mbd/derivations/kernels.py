@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -111,13 +112,19 @@ def acting(scene: Scene, kernel: Any, rng: np.random.Generator) -> Pairs:
 
 def closures(scene: Scene, rng: np.random.Generator) -> Pairs:
     """Every kernel of equations of a scene beside the expressions of its joints."""
-    system = scene.build()
     q, v = random_state(scene, rng)
+    for kernel, exact in zip(scene.build().joints.kernels, _differentiated(scene)):
+        for what, expected, found in rows.evaluate(exact, kernel, q, v, rng):
+            yield f"{type(kernel).__name__}.{what}", expected, found
+
+
+@cache
+def _differentiated(scene: Scene) -> list[rows.Differentiated]:
+    """The expressions of each kernel of equations."""
+    system = scene.build()
     names = symbols(system.n)
     g = equations(Record(scene), system, names)
-    for kernel, span in zip(system.joints.kernels, system.joints.spans):
-        for what, exact, found in rows.evaluate(rows.Differentiated(g[span], names), kernel, q, v, rng):
-            yield f"{type(kernel).__name__}.{what}", exact, found
+    return [rows.Differentiated(g[span], names) for span in system.joints.spans]
 
 
 def equations(record: Record, system: Any, names: rows.Coordinates) -> list[sp.Expr]:

@@ -2,8 +2,9 @@
 
 A law has strains eps(w) of local variables w, which are affine in the coordinates, w = A q + c, moduli C and viscosities H:
 
-    W = 1/2 eps' C eps,   R = 1/2 eps_t' H eps_t,   eps_t = (d eps/dw) w_t        energy and half the dissipated power
-    F = dW/dw + dR/dw_t,   K = dF/dw,   D = dF/dw_t                               force and tangents, on q as A' F, A' K A, A' D A
+    W = 1/2 eps' C eps,   R = 1/2 eps_t' H eps_t,   eps_t = B w_t,  B = d eps/dw      energy and half the dissipated power
+    F = dW/dw + dR/dw_t = B' sigma,   sigma = C eps + H eps_t                         force, on q as A' F
+    K = dF/dw = B' C B + sigma . d2 eps/dw2 + B' H d(B w_t)/dw,   D = B' H B          tangents, on q as A' K A, A' D A
 
 The law of a load is its force F(w), K = dF/dw. Laws are compiled once, for 30 digits.
 """
@@ -32,13 +33,10 @@ class Law:
         self.moduli, self.viscosities = sp.Matrix(moduli), sp.Matrix(viscosities)
         self.rates = [sp.Symbol(rf"\dot{{{x.name}}}") for x in self.w]
 
-    @property
-    def arguments(self) -> list[sp.Symbol]:
-        return [*self.w, *self.rates, *self.parameters]
-
     @cached_property
-    def strain_rate(self) -> sp.Matrix:
-        return self.strains.jacobian(self.w) * sp.Matrix(self.rates)
+    def gradient(self) -> sp.Matrix:
+        """B = d eps/dw."""
+        return self.strains.jacobian(self.w)
 
     @cached_property
     def energy(self) -> sp.Expr:
@@ -46,23 +44,28 @@ class Law:
 
     @cached_property
     def force(self) -> sp.Matrix:
-        loss = (self.strain_rate.T * self.viscosities * self.strain_rate)[0] / 2
-        return sp.Matrix([sp.diff(self.energy, x) + sp.diff(loss, y) for x, y in zip(self.w, self.rates)])
-
-    @cached_property
-    def tangents(self) -> tuple[sp.Matrix, sp.Matrix]:
-        """K and D."""
-        return self.force.jacobian(self.w), self.force.jacobian(self.rates)
-
-    @cached_property
-    def swirl(self) -> sp.Matrix:
-        """H-weighted d(eps_t)/dw on w: what a change of configuration adds to the viscous force, gradients held."""
-        return self.strains.jacobian(self.w).T * self.viscosities * self.strain_rate.jacobian(self.w)
+        """B' (C eps + H B w_t)."""
+        return self.gradient.T * (self.moduli * self.strains + self.viscosities * self.gradient * sp.Matrix(self.rates))
 
     @cached_property
     def compiled(self) -> Any:
-        """-> W, F, K, D, swirl."""
-        return sp.lambdify(self.arguments, [self.energy, self.force, *self.tangents, self.swirl], modules="mpmath", cse=True)
+        """-> eps, B, d2 eps/dw2 for each strain, C, H."""
+        hessians = [sp.hessian(strain, self.w) for strain in self.strains]
+        everything = [self.strains, self.gradient, hessians, self.moduli, self.viscosities]
+        return sp.lambdify([*self.w, *self.parameters], everything, modules="mpmath", cse=True)
+
+    def at(self, w: Any, rates: Any, numbers: Sequence[Any]) -> tuple[Any, dict[str, Any], dict[str, Any]]:
+        """W, vectors and matrices on w, as mpmath numbers."""
+        strains, b, hessians, moduli, viscosities = self.compiled(*w, *numbers)
+        stress = moduli * strains + viscosities * b * rates
+        turning = mpmath.matrix(b.rows, b.cols)  # d(B w_t)/dw
+        bent = mpmath.matrix(b.cols, b.cols)  # sigma . d2 eps/dw2
+        for k, hessian in enumerate(hessians):
+            bent += stress[k] * hessian
+            turning[k, :] = (hessian * rates).T
+        swirl = b.T * viscosities * turning
+        matrices = {"stiffness": b.T * moduli * b + bent + swirl, "damping": b.T * viscosities * b, "swirl": swirl}
+        return (strains.T * moduli * strains)[0] / 2, {"force": b.T * stress}, matrices
 
 
 class LoadLaw:
@@ -122,9 +125,9 @@ class Totals:
                 force, gradient = term.law.compiled(*w, *numbers)
                 self._place(a, columns, {"force": force}, {"gradient": gradient})
                 return
-            energy, force, stiffness, damping, swirl = term.law.compiled(*w, *(a * matrix(v[columns].tolist())), *numbers)
+            energy, *local = term.law.at(w, a * matrix(v[columns].tolist()), numbers)
             self.energy += float(energy)
-            self._place(a, columns, {"force": force}, {"stiffness": stiffness, "damping": damping, "swirl": swirl})
+            self._place(a, columns, *local)
 
     def _place(self, a: Any, columns: NDArray[np.intp], vectors: dict[str, Any], matrices: dict[str, Any]) -> None:
         for name, value in vectors.items():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import mpmath
@@ -44,11 +45,15 @@ def floats(values: Any) -> Array:
 
 
 def evaluated(expression: Any, values: dict[sp.Symbol, Any]) -> Array:
-    """An expression, or a matrix, as an array at the values of its symbols, from 30 digits."""
+    """A matrix of expressions as an array at the values of its symbols, from 30 digits."""
+    names = tuple(values)
     with mpmath.workdps(DIGITS):
-        names = list(values)
-        result = sp.lambdify(names, expression, modules="mpmath", cse=True)(*(precise(values[name]) for name in names))
-        return floats(result)
+        return floats(_function(names, sp.ImmutableMatrix(expression))(*(precise(values[name]) for name in names)))
+
+
+@cache
+def _function(names: tuple[sp.Symbol, ...], expression: sp.ImmutableMatrix) -> Any:
+    return sp.lambdify(names, expression, modules="mpmath", cse=True)
 
 
 def gauss(points: int) -> list[tuple[sp.Expr, sp.Expr]]:

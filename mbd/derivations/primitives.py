@@ -48,10 +48,10 @@ Rows = Callable[..., list[rows.Row]]
 
 
 def _compare(d: int, formula: Formula, kernel: Kernel) -> Callable[[np.random.Generator], Pairs]:
-    """One equation between two random maps of three rows; the last coordinate is a scalar of its own."""
+    """One equation between two random maps of two rows; the last coordinate is a scalar of its own."""
 
     def compare(rng: np.random.Generator) -> Pairs:
-        a, b, n = _random(rng, d, 3), _random(rng, d, 3), 3 * d + 1
+        a, b, n = _random(rng, d, 2), _random(rng, d, 2), 2 * d + 1
         names, (q, v) = symbols(n), rng.standard_normal((2, n))
         numbers = {symbol: sp.Float(x, 30) for symbol, x in NUMBERS.items()}
         g = [f.subs(numbers) for f in formula(_explicit(a, names), _explicit(b, names), names[-1])]

@@ -46,22 +46,21 @@ class Differentiated:
     """Equations [m] and their first two derivatives at numbers, from 30 digits."""
 
     def __init__(self, g: Sequence[sp.Expr], q: Coordinates):
-        self.n, self.m, self.parts = len(q), len(g), []
+        self.n, self.m = len(q), len(g)
         index = {symbol: k for k, symbol in enumerate(q)}
-        for expression in g:
-            own = sorted(expression.free_symbols, key=index.__getitem__)
-            gradient = [sp.diff(expression, x) for x in own]
-            function = sp.lambdify(own, [expression, gradient, [[sp.diff(f, x) for x in own] for f in gradient]], "mpmath", cse=True)
-            self.parts.append((np.array([index[x] for x in own], dtype=np.intp), function))
+        own = [sorted(expression.free_symbols, key=index.__getitem__) for expression in g]
+        gradients = [[sp.diff(f, x) for x in names] for f, names in zip(g, own)]
+        hessians = [[[sp.diff(f, x) for x in names] for f in gradient] for gradient, names in zip(gradients, own)]
+        self.columns = [np.array([index[x] for x in names], dtype=np.intp) for names in own]
+        self.function = sp.lambdify(list(q), [list(g), gradients, hessians], "mpmath", cse=True)
 
     def at(self, q: Array) -> tuple[Array, Array, Array]:
         """g [m], dg/dq [m, n], d2g/dq2 [m, n, n]."""
         value, gradient, hessian = np.zeros(self.m), np.zeros((self.m, self.n)), np.zeros((self.m, self.n, self.n))
         with mpmath.workdps(DIGITS):
-            for r, (own, function) in enumerate(self.parts):
-                g, dg, ddg = function(*(precise(x) for x in q[own]))
-                value[r], gradient[r, own] = float(g), floats(dg)
-                hessian[r, own[:, None], own] = floats(ddg)
+            values, gradients, hessians = self.function(*(precise(x) for x in q))
+            for r, (own, g, dg, ddg) in enumerate(zip(self.columns, values, gradients, hessians)):
+                value[r], gradient[r, own], hessian[r, own[:, None], own] = float(g), floats(dg), floats(ddg)
         return value, gradient, hessian
 
 

@@ -32,7 +32,7 @@ class Specimen(NamedTuple):
 def kinds() -> dict[str, type]:
     """Every description that the library exports, by name."""
     exported: dict[str, Any] = {name: getattr(home, name) for home in (elements, joints) for name in home.__all__}
-    return {name: kind for name, kind in exported.items() if is_dataclass(kind)}
+    return {name: kind for name, kind in exported.items() if isinstance(kind, type) and is_dataclass(kind)}
 
 
 def specimens(kind: type) -> list[Specimen]:

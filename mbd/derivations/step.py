@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -42,6 +42,7 @@ class Step:
     source    author, year, equation number; "here" for what follows from the steps before
     kernel    the code that returns these numbers
     compare   random generator -> (quantity, value by the formula, what the kernel returns) at a random state
+    names     LaTeX of symbols whose names do not tell it
     """
 
     title: str
@@ -50,11 +51,12 @@ class Step:
     source: str
     kernel: str
     compare: Callable[[np.random.Generator], Pairs]
+    names: Mapping[sp.Symbol, str] = field(default_factory=dict)
 
     @property
     def latex(self) -> list[str]:
         """The equation, and definitions of what occurs in it more than once."""
-        return shown.latex(self.left, self.right)
+        return shown.latex(self.left, self.right, symbol_names=dict(self.names))
 
     def worst(self, seed: int = 1, states: int = 2) -> Outcome:
         """Of all quantities at random states."""

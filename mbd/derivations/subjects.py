@@ -94,7 +94,7 @@ def _laws(cases: Sequence[Specimen], wanted: Sequence[Any]) -> Iterator[Step]:
         title = f"Strains in terms of ({_listed(law.w)})"
         yield Step(title, r"\varepsilon", law.strains, source, name, partial(_in_all, kernels.elastic, scenes, kernel))
         title = f"Their gradient B; force B' (C eps + H B v), moduli C in {_listed(sorted(law.moduli.free_symbols, key=str))}"
-        yield Step(title, "B", law.strains.jacobian(law.w), source, name, partial(_in_all, kernels.elastic, scenes[:1], kernel))
+        yield Step(title, "B", law.gradient, source, name, partial(_in_all, kernels.elastic, scenes[:1], kernel))
 
 
 def _all_parts(scene: Scene) -> list[Part]:
@@ -132,10 +132,12 @@ def _equations(case: Specimen, kind: type) -> Iterator[Step]:
     rows = [k for k, (item, _) in enumerate(system.joints.labels) if item in own]
     if not rows or kind.__module__.startswith("mbd.elements.rigid"):
         return
-    g = kernels.equations(record, system, Naming(case.scene).q)
+    naming = Naming(case.scene)
+    g = kernels.equations(record, system, naming.q)
     title = f"{case.what}: {', '.join(system.joints.labels[k][1] for k in rows)}"
     name = f"{kind.__module__}.{kind.__name__}.rows"
-    yield Step(title, "g", sp.Matrix([g[k] for k in rows]), "here, from its own rows", name, partial(kernels.closures, case.scene))
+    right = sp.Matrix([g[k] for k in rows])
+    yield Step(title, "g", right, "here, from its own rows", name, partial(kernels.closures, case.scene), naming.written)
     if "body-body" in case.what and not record.drives:
         title = f"{case.what}: still closed when both sides move together"
         yield Step(title, "g", sp.zeros(len(rows), 1), "here", name, partial(_carried, case.scene))
