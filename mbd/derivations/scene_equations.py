@@ -23,6 +23,9 @@ from .numbers import difference, evaluated, number
 from .record import Part, Record
 from .shown import latex
 
+LETTERS = {"stiffness": "k", "damping": "c", "length": "L", "angle": "phi0"}
+"""Of the parameters of springs."""
+
 MOST = 40
 """Coordinates: expressions of larger scenes help nobody, and take minutes."""
 
@@ -89,15 +92,16 @@ class Equations:
 
     def _named(self, part: Part) -> dict[str, Any]:
         """The numbers of a part with symbols for its parameters: arrays of one float for each item."""
-        named: dict[str, Any] = {}
+        cable, named = "nodes" in part.numbers, {}
         for field, values in part.numbers.items():
             if not (isinstance(values, np.ndarray) and values.ndim == 1 and values.dtype == float):
                 named[field] = values
-            elif field == "length" and "nodes" in part.numbers:
+            elif cable and field == "length":
                 named[field] = lengths(part.item, values)
                 self.values |= {symbol: number(x) for symbol, x in zip(named[field], values)}
             else:
-                named[field] = [self._parameter(f"{field}_{part.item}", x) for x in values]
+                letter = "tau" if cable and field == "damping" else LETTERS.get(field, field)
+                named[field] = [self._parameter(f"{letter}_{part.item}", x) for x in values]
         return named | {"stored": part.numbers}
 
     def _applied(self, record: Record) -> sp.Matrix:
