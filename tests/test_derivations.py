@@ -147,7 +147,7 @@ class Hinge:
 def test_a_new_joint_is_covered_by_its_own_rows(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mbd.joints, "Hinge", Hinge, raising=False)
     monkeypatch.setattr(mbd.joints, "__all__", [*mbd.joints.__all__, "Hinge"])
-    subjects._cases.cache_clear()
+    subjects.steps.cache_clear()
     assert "hinge" in subjects.words()
     steps = [step for step in subjects.steps("hinge") if "still closed" not in step.title]
     assert len(steps) == 5 and all(step.check() < EXACT for step in steps)
@@ -200,26 +200,38 @@ WRONG: list[tuple[Any, str, Callable[[Any], Any], str, str, str]] = [
 ]
 
 
+def failures(word: str, kernel: str) -> list[str]:
+    """The quantities in which the steps about a kernel find a difference."""
+    steps = [step for step in subjects.steps(word) if step.kernel == kernel]
+    assert steps
+    return [worst.quantity for step in steps if not (worst := step.worst(states=1)).exact]
+
+
 @pytest.mark.parametrize(("owner", "name", "wrong", "word", "kernel", "quantity"), WRONG, ids=lambda x: x if isinstance(x, str) else "")
-def test_a_wrong_sign_is_caught_and_named(owner, name, wrong, word, kernel, quantity, monkeypatch, capsys) -> None:
+def test_a_wrong_sign_is_found_by_the_step_about_it(owner, name, wrong, word, kernel, quantity, monkeypatch) -> None:
+    assert not failures(word, kernel)
     monkeypatch.setattr(owner, name, wrong(getattr(owner, name)))
-    assert main(["derive", word, "--check"]) == 1
-    told = capsys.readouterr()
-    assert any(line.startswith(f"wrong: {kernel}: {quantity} ") for line in told.err.splitlines())
-    assert "<-- WRONG" in told.out
+    assert quantity in failures(word, kernel)
 
 
 @pytest.mark.parametrize(("table", "gravity"), [("WEIGHT", "consistent"), ("WEIGHT_LUMPED", "lumped")])
-def test_a_wrong_gravity_vector_is_caught_and_named(table: str, gravity: str, monkeypatch, capsys) -> None:
+def test_a_wrong_gravity_vector_is_found(table: str, gravity: str, monkeypatch) -> None:
     monkeypatch.setattr(f"mbd.elements.ancf_cable.{table}", np.array([0.5, -0.1, 0.5, 0.1]))
-    assert main(["derive", "ancf_cable", "--check"]) == 1
-    assert f"wrong: mbd.elements.shapes.{table}: {gravity} weight" in capsys.readouterr().err
+    assert failures("ancf_cable", f"mbd.elements.shapes.{table}") == [f"{gravity} weight"]
+
+
+def test_the_command_names_what_is_wrong(monkeypatch, capsys) -> None:
+    monkeypatch.setattr(StretchAt, "_across", negated(StretchAt._across))
+    assert main(["derive", "particle", "spring", "--check"]) == 1
+    told = capsys.readouterr()
+    assert told.err.startswith("wrong: mbd.elements.spring_strains.Stretch: stiffness (spring: ")
+    assert "<-- WRONG" in told.out and "2 wrong" in told.out.splitlines()[-1]
 
 
 def test_a_joint_whose_rows_are_wrong_does_not_stay_closed(monkeypatch, capsys) -> None:
     """A point minus the mirrored one: closed at one place, and only there."""
-    subjects._cases.cache_clear()
+    subjects.steps.cache_clear()
     monkeypatch.setattr("mbd.joints.pairs.points", lambda a, b: [(axis, row) for axis, row in zip("xyz", coincide(a.point, b.point.scaled(-1.0)))])
     assert main(["derive", "ball", "--check"]) == 1
     assert "wrong: mbd.joints.pairs.Ball.rows: closure" in capsys.readouterr().err
-    subjects._cases.cache_clear()
+    subjects.steps.cache_clear()

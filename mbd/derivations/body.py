@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,7 @@ def inertia() -> sp.Matrix:
     return sp.Matrix(3, 3, lambda a, b: sp.Symbol(f"J_{'xyz'[min(a, b)]}{'xyz'[max(a, b)]}", real=True))
 
 
+@cache
 def kinetic(d: int) -> sp.Expr:
     """1/2 int |dr/dt|^2 dm in the rates, which stand under the names of the vectors."""
     velocity = point(d, axes(d))
@@ -106,6 +108,7 @@ def _planar_reduction(rng: np.random.Generator) -> Pairs:
     yield "T", exact, body.system.kinetic(body.system.v0)
 
 
+@cache
 def turning() -> sp.Expr:
     """What is left of the kinetic energy for dR/dt = 0 and d = (cos theta, sin theta)."""
     rate = sp.Matrix([-sp.sin(ANGLE), sp.cos(ANGLE)]) * SPIN
@@ -116,6 +119,7 @@ def turning() -> sp.Expr:
 OMEGA = sp.Matrix(sp.symbols("omega_1:4", real=True))
 
 
+@cache
 def spatial_turning() -> sp.Expr:
     """The same in space for d_k = e_k, dd_k/dt = omega x e_k: components of omega in the body."""
     centre, *directors = axes(3)

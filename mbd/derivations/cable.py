@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -26,12 +27,14 @@ def shape_matrix() -> sp.Matrix:
     return sp.kronecker_product(sp.Matrix([shapes(X, LENGTH)]), sp.eye(2))
 
 
+@cache
 def rigid() -> sp.Matrix:
     """e of a straight, unstretched element at R, theta: eq. 3."""
     c, s = sp.cos(THETA), sp.sin(THETA)
     return sp.Matrix([RX, RY, c, s, RX + LENGTH * c, RY + LENGTH * s, c, s])
 
 
+@cache
 def mass() -> sp.Matrix:
     """M [8, 8] in terms of m = rho A l."""
     _, block, _ = consistent_mass()
@@ -75,6 +78,7 @@ def _complete(rng: np.random.Generator) -> Pairs:
     yield "r", evaluated(_along(), element.values | {X: s * element.values[LENGTH]})[:, 0], found
 
 
+@cache
 def _along() -> sp.Matrix:
     return (shape_matrix() * rigid()).applyfunc(sp.simplify)
 
@@ -87,6 +91,7 @@ def _velocity(rng: np.random.Generator) -> Pairs:
     yield "dr/dt", evaluated(exact, element.values | {X: s * element.values[LENGTH]})[:, 0], element.item.at(s).point.rate(v)
 
 
+@cache
 def velocity_map() -> sp.Matrix:
     """B [8, 3]: de/dt = B d(R, theta)/dt."""
     return rigid().jacobian(Q)
@@ -103,6 +108,7 @@ def _reduced(rng: np.random.Generator) -> Pairs:
     yield "B' M B", element.of(reduced_mass()), b.T @ element.system.mass(b.T).T
 
 
+@cache
 def reduced_mass() -> sp.Matrix:
     b = velocity_map()
     return (b.T * mass() * b).applyfunc(sp.simplify)
@@ -114,16 +120,19 @@ def _quadratic(rng: np.random.Generator) -> Pairs:
     yield "B' M dB/dt dq/dt", element.of(quadratic_term())[:, 0], b.T @ element.system.mass(swirl)
 
 
+@cache
 def _swirl() -> sp.Matrix:
     """dB/dt dq/dt [8]."""
     rate = sum((sp.diff(velocity_map(), x) * v for x, v in zip(Q, RATES)), sp.zeros(8, 3))
     return rate * sp.Matrix(RATES)
 
 
+@cache
 def quadratic_term() -> sp.Matrix:
     return (velocity_map().T * mass() * _swirl()).applyfunc(sp.simplify)
 
 
+@cache
 def inertia() -> sp.Expr:
     e = rigid()
     return sp.simplify((e.T * mass() * e)[0])

@@ -29,6 +29,7 @@ def shape_row(order: int) -> sp.Matrix:
     return sp.Matrix([shape_derivative(order)[2]])
 
 
+@cache
 def integrals() -> tuple[sp.Matrix, sp.Matrix, sp.Matrix]:
     """K_A = EA int N'^T N' dx, K_B = EI int N''^T N'' dx, a = EA int N'^T dx: the blocks of A_ij, B_ij, A_i."""
     slope, bend = shape_row(1), shape_row(2)
@@ -56,11 +57,13 @@ def seen() -> Seen:
     return Seen(u, w, stretch * u - linear, bend * w, energy)
 
 
+@cache
 def turn() -> sp.Matrix:
     """d theta/de [1, 8]: the frame's derivative, di/de = j t, dj/de = -i t."""
     return sp.Matrix([sp.atan2(CHORD[1], CHORD[0])]).jacobian(E).applyfunc(sp.simplify)
 
 
+@cache
 def literal_force() -> sp.Matrix:
     """Eq. 25 term by term, with A_pq, B_pq [8, 8] and A_p [8]."""
     stretch, bend, linear = integrals()
@@ -119,6 +122,7 @@ def _turn(rng: np.random.Generator) -> Pairs:
     yield "t", element.of(turn())[0], element.ordered(element.at.turn[0])
 
 
+@cache
 def strains() -> sp.Matrix:
     """u_l' = i . r' - 1 and u_t'' = j . r''."""
     slope, bend = ([row.dot(nodal) for nodal in NODAL] for row in (shape_row(1), shape_row(2)))
@@ -163,6 +167,7 @@ def _tangent(rng: np.random.Generator) -> Pairs:
     yield "dQ/de", element.of(compact_tangent()), found
 
 
+@cache
 def compact_tangent() -> sp.Matrix:
     """U_u' K_A U_u + W_w' K_B W_w + s t' + t s' - (g_u . u + g_w . w) t t' + tau T."""
     stretch, bend, _ = integrals()

@@ -51,12 +51,10 @@ def load_terms(part: Part, t: float | None = TIME) -> list[Term]:
 
 def elastic(scene: Scene, kernel: Any, rng: np.random.Generator) -> Pairs:
     """An elastic kernel beside its energy: stresses of elasticity and damping, force, tangents, derivatives of rates."""
-    record, system = Record(scene), scene.build()
+    system, expected = scene.build(), Totals(scene.build().n)
     (q, v), (dq, _) = random_state(scene, rng), random_state(scene, rng)
-    expected = Totals(system.n)
-    for part in record.elastic:
-        for term in elastic_terms(part) if part.kernel is kernel else ():
-            expected.add(term, q, v)
+    for term in _elastic_terms(scene, kernel):
+        expected.add(term, q, v)
     found = [_elastic(measure, q, v, dq, system.n) for measure in system.measures if type(measure) is kernel]
     total = {name: sum(part[name] for part in found) for name in found[0]}
     yield "energy", expected.energy, total["energy"]
@@ -65,6 +63,11 @@ def elastic(scene: Scene, kernel: Any, rng: np.random.Generator) -> Pairs:
     yield "damping", expected.matrices["damping"], total["damping"]
     yield "swirl", expected.matrices["swirl"], total["swirl"]
     yield "swirl_times", expected.matrices["swirl"] @ dq, total["swirl_times"]
+
+
+@cache
+def _elastic_terms(scene: Scene, kernel: Any) -> list[Term]:
+    return [term for part in Record(scene).elastic if part.kernel is kernel for term in elastic_terms(part)]
 
 
 def _elastic(kernel: Any, q: Array, v: Array, dq: Array, n: int) -> dict[str, Any]:

@@ -35,8 +35,13 @@ def shape_derivative(order: int) -> tuple[sp.Symbol, sp.Symbol, tuple[sp.Expr, .
 
 def shapes_at(order: int, xi: Any, length: Any) -> list[sp.Expr]:
     """d^k N/dx^k [4] at x = xi l."""
-    x, symbol, functions = shape_derivative(order)
-    return [f.subs({x: xi * symbol}, simultaneous=True).subs(symbol, length) for f in functions]
+    return _shape_function(order)(xi * length, length)
+
+
+@cache
+def _shape_function(order: int) -> Any:
+    x, length, functions = shape_derivative(order)
+    return sp.lambdify((x, length), list(functions), "sympy")
 
 
 def cross(x: Any, y: Any) -> sp.Matrix:

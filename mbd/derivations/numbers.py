@@ -34,9 +34,10 @@ def precise(x: Any) -> Any:
 
 
 def matrix(entries: Any) -> Any:
-    """An mpmath matrix [rows, cols] of expressions or floats."""
-    rows = sp.Matrix(entries)
-    return mpmath.matrix([[precise(x) for x in rows.row(i)] for i in range(rows.rows)]) if rows.rows else mpmath.matrix(0, rows.cols)
+    """An mpmath matrix of a sympy one, or of floats."""
+    if isinstance(entries, sp.MatrixBase):
+        return mpmath.matrix([[precise(x) for x in row] for row in entries.tolist()])
+    return mpmath.matrix(entries)
 
 
 def floats(values: Any) -> Array:

@@ -150,10 +150,10 @@ def _between(kind: type) -> Iterator[Specimen]:
     required = [f.name for f in fields(kind) if f.default is MISSING and f.default_factory is MISSING]
     two = any(name in SECOND for name in names)
     pairs = PAIRS if two else tuple((first, "") for first in dict.fromkeys(first for first, _ in PAIRS))
-    for variant in VARIANTS.get(kind.__name__, [{}]):
+    for k, variant in enumerate(VARIANTS.get(kind.__name__, [{}])):
         for d in (2, 3):
             words = variant(d) if callable(variant) else variant
-            for ends in pairs:
+            for ends in pairs[: 2 if k else None]:  # one variant between all ends, the others between the first
                 scene = _built(kind, required, words, d, ends)
                 if scene is not None:
                     special = (f"{name}={'f(t)' if callable(value) else value}" for name, value in words.items())

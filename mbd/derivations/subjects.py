@@ -48,16 +48,15 @@ def words() -> list[str]:
     return [*PARTS, *sorted(map(word, kinds()))]
 
 
+@cache
 def steps(subject: str) -> list[Step]:
     """All steps of a subject; raises KeyError for a word that is none."""
     if subject in PARTS:
         home, written, kernel = PARTS[subject]
         return written() + (list(_laws(_cases(home), [kernel])) if kernel else [])
-    found = WRITTEN.get(subject, list)() + list(_own(subject))
-    return found
+    return WRITTEN.get(subject, list)() + list(_own(subject))
 
 
-@cache
 def _cases(subject: str) -> list[Specimen]:
     return specimens(next(kind for name, kind in kinds().items() if word(name) == subject))
 
