@@ -30,9 +30,9 @@ from mbd.elements.rigid import RigidBody
 from mbd.elements.spring_strains import StretchAt
 from mbd.elements.torque import DeadTorques, PlanarTorques
 from mbd.joints.drives import Couples
-from mbd.joints.placed import PlacedJoint, Pose
 from mbd.marker import Marker
-from mbd.rows import Row, coincide, dot
+from mbd.model import Model
+from mbd.rows import coincide, dot
 from mbd.turn import Turn
 
 
@@ -133,15 +133,18 @@ class Hinge:
     def faults(self, dimension: int) -> list[str]:
         return [] if dimension == 2 and all(marker.turns() for marker in self.markers) else ["not this one"]
 
-    def misfits(self, pose: Pose) -> list[str]:
-        return []
+    def place(self, site: Any) -> PlacedHinge:
+        return PlacedHinge(self, site)
 
-    def place(self, site: Any) -> PlacedJoint:
-        return PlacedJoint(self, site, [])  # type: ignore[arg-type]
 
-    def rows(self, *arguments: Any) -> list[tuple[str, Row]]:
-        a, b = self.markers
-        return [("x", coincide(a.point, b.point)[0]), ("odd", dot(a.axes[0], b.axes[0].scaled(0.2 + 0.4j), 0.1))]
+class PlacedHinge:
+    def __init__(self, description: Hinge, site: Any):
+        self.description, self.name, self.site = description, site.name, site
+
+    def assemble(self, model: Model) -> None:
+        a, b = self.description.markers
+        model.equation(self.name, "x", coincide(a.point, b.point)[0])
+        model.equation(self.name, "odd", dot(a.axes[0], b.axes[0].scaled(0.2 + 0.4j), 0.1))
 
 
 def test_a_new_joint_is_covered_by_its_own_rows(monkeypatch: pytest.MonkeyPatch) -> None:
