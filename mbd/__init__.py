@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .assembly import assemble
     from .balance import Equilibrium
     from .branches import continuation
+    from .derivations.scene_equations import equations
     from .diagnosis import Structure
     from .driven import kinematics
     from .elements import PD, AncfCable, Force, ForceLaw, Friction, Particle, RigidBody, Spring, Stop, Torque, TorsionSpring
@@ -104,6 +105,7 @@ _HOMES = {
     "result": ("Result",),
     "scene": ("Scene",),
     "assembly": ("assemble",),
+    "derivations.scene_equations": ("equations",),
     "run": ("simulate",),
     "balance": ("Equilibrium",),
     "branches": ("continuation",),
@@ -181,6 +183,7 @@ __all__ = [
     "assemble",
     "check",
     "continuation",
+    "equations",
     "equilibrium",
     "kinematics",
     "linearize",

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .affine import Array
-from .equations import Joints
+from .constraint_set import Joints
 from .model import Model, build
 from .scatter import Scatter
 from .strains import Strains
