@@ -6,6 +6,9 @@ mbd_runs.py, exudyn_runs.py      each program's methods, settings and timing
 work.py                          sweeps of runs, in turn, with medians
 fronts.py, checks.py             the best of a program at every error; whether both solve one problem
 tables.py, report.py, plots.py   what is printed and written to docs/benchmarks
+fits.py                          powers of size, excess of looser runs, marks of what exceeds a bar
+scaling.py, probes.py            what size costs in time and memory: ``python -m benchmarks.scaling``
+accuracy.py                      what the default does with a tolerance: ``python -m benchmarks.accuracy``
 references.py                    makes data/references.json anew
 """
 

@@ -73,7 +73,7 @@ def main() -> None:
         if options.out:
             from .plots import plot
 
-            report.write(options.out, case, text, report.record(case, best, excluded, where))
+            report.write(options.out, case, text, report.record(case, rows, best, excluded, where))
             plot(options.out / f"{case.key}.png", case.name, rows)
     if options.out:
         print(tables.table(["written to"], [[str(options.out)]]))

@@ -115,6 +115,19 @@ class _Planar:
     def pin(self, a: int, b: int) -> None:
         self.mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=[a, b]))
 
+    def torque(self, body: int, moment: float) -> None:
+        motor = self.mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=[0.0, 0.0, 0.0]))
+        self.mbs.AddLoad(items.LoadTorqueVector(markerNumber=motor, loadVector=[0.0, 0.0, moment]))
+
+    def piston(self, mass: float, position: Any) -> int:
+        """A particle that slides along x; the marker on it. Its weight is left out, since the slide holds it."""
+        node = self.mbs.AddNode(items.NodePoint2D(referenceCoordinates=list(position)))
+        self.mbs.AddObject(items.ObjectMassPoint2D(physicsMass=mass, nodeNumber=node))
+        ground = self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=self.mbs.AddNode(items.NodePointGround()), coordinate=0))
+        height = self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=1))
+        self.mbs.AddObject(items.CoordinateConstraint(markerNumbers=[ground, height]))
+        return int(self.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node)))
+
     def machine(self, body: int, local: tuple[float, float]) -> Machine:
         self.mbs.Assemble()
         read = _body_point(self.mbs, body, local)
@@ -138,18 +151,26 @@ def slider_crank() -> Machine:
     crank = plane.body(machines.CRANK_MASS, machines.CRANK_MASS * machines.CRANK**2 / 12, (0.5 * pin[0], 0.5 * pin[1]), machines.CRANK_ANGLE)
     middle, slope = (0.5 * (pin[0] + end[0]), 0.5 * (pin[1] + end[1])), np.arctan2(end[1] - pin[1], end[0] - pin[0])
     rod = plane.body(machines.ROD_MASS, machines.ROD_MASS * machines.ROD**2 / 12, middle, slope)
-    mbs = plane.mbs
-    node = mbs.AddNode(items.NodePoint2D(referenceCoordinates=list(end)))
-    mbs.AddObject(items.ObjectMassPoint2D(physicsMass=machines.PISTON, nodeNumber=node))
-    ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
-    height = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=1))
-    mbs.AddObject(items.CoordinateConstraint(markerNumbers=[ground, height]))  # holds its weight, too
+    piston = plane.piston(machines.PISTON, end)
     plane.pin(plane.point(plane.ground_body, (0.0, 0.0)), plane.point(crank, (-0.5 * machines.CRANK, 0.0)))
     plane.pin(plane.point(crank, (0.5 * machines.CRANK, 0.0)), plane.point(rod, (-0.5 * machines.ROD, 0.0)))
-    plane.pin(plane.point(rod, (0.5 * machines.ROD, 0.0)), mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node)))
-    motor = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=crank, localPosition=[0.0, 0.0, 0.0]))
-    mbs.AddLoad(items.LoadTorqueVector(markerNumber=motor, loadVector=[0.0, 0.0, machines.CRANK_TORQUE]))
+    plane.pin(plane.point(rod, (0.5 * machines.ROD, 0.0)), piston)
+    plane.torque(crank, machines.CRANK_TORQUE)
     return plane.machine(crank, (0.5 * machines.CRANK, 0.0))
+
+
+def flexible_crank() -> Machine:
+    plane, length = _Planar(0.0), machines.FLEXIBLE_CRANK
+    crank = plane.body(machines.FLEXIBLE_CRANK_MASS, machines.FLEXIBLE_CRANK_INERTIA, (0.5 * length, 0.0))
+    nodes = _cable(plane.mbs, machines.FLEXIBLE_ROD, 0.0)
+    start, end = (plane.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[k])) for k in (0, -1))
+    plane.pin(plane.point(plane.ground_body, (0.0, 0.0)), plane.point(crank, (-0.5 * length, 0.0)))
+    plane.pin(plane.point(crank, (0.5 * length, 0.0)), start)
+    plane.pin(end, plane.piston(machines.FLEXIBLE_PISTON, machines.FLEXIBLE_ROD.end))
+    plane.torque(crank, machines.FLEXIBLE_TORQUE)
+    plane.mbs.Assemble()
+    read = _node_position(plane.mbs, nodes[len(nodes) // 2])
+    return Machine(plane.mbs, lambda: read()[:2])
 
 
 def squeezer() -> Machine:
@@ -163,8 +184,7 @@ def squeezer() -> Machine:
     mbs = plane.mbs
     mbs.AddObject(items.ObjectConnectorSpringDamper(
         markerNumbers=ends, stiffness=numbers["spring_c0"], referenceLength=numbers["spring_l0"]))  # fmt: skip
-    motor = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=bodies[0], localPosition=[0.0, 0.0, 0.0]))
-    mbs.AddLoad(items.LoadTorqueVector(markerNumber=motor, loadVector=[0.0, 0.0, numbers["motor_torque"]]))
+    plane.torque(bodies[0], numbers["motor_torque"])
     return plane.machine(bodies[0], local[0]["F"])
 
 

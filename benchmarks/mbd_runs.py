@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -30,15 +30,20 @@ def run(case: Case, solver: Any, rtol: float) -> Sample:
             return Sample(seconds, None, note=f"stopped at {error.time:.4g} s")
     noted = ", ".join(sorted({_short(str(warning.message)) for warning in caught}))
     counts = {name: int(result.stats[name]) for name in COUNTED if name in result.stats}
-    return Sample(result.stats["wall time"], np.array(result.position(marker)[-1]), counts, noted)
+    return Sample(result.stats["wall time"], np.array(result.position(marker)[-1]), counts, noted, _imbalance(result.audit))
+
+
+def _imbalance(audit: Any) -> float | None:
+    """The energy's error over what was exchanged; None where nothing was."""
+    return float(audit.energy_error / audit.energy_scale) if audit.energy_scale > 0.0 else None
 
 
 def _short(message: str) -> str:
     return "energy off" if "energy" in message else message[:40]
 
 
-def _tolerances(case: Case, solver: Any) -> Iterator[Rung]:
-    for rtol in RTOLS:
+def tolerances(case: Case, solver: Any, rtols: Sequence[float]) -> Iterator[Rung]:
+    for rtol in rtols:
         yield Rung(f"rtol {rtol:.0e}", lambda rtol=rtol: run(case, solver, rtol), rtol)
 
 
@@ -56,6 +61,6 @@ def adaptive(case: Case) -> dict[str, Any]:
 
 
 def ladders(case: Case) -> list[Ladder]:
-    found = [Ladder("mbd", name, _tolerances(case, solver)) for name, solver in adaptive(case).items()]
+    found = [Ladder("mbd", name, tolerances(case, solver, RTOLS)) for name, solver in adaptive(case).items()]
     fixed = {"generalized-alpha": lambda h: mbd.GeneralizedAlpha(step=h), "Gauss 3": lambda h: mbd.Gauss(step=h, stages=3)}
     return found + [Ladder("mbd", name, _steps(case, solver)) for name, solver in fixed.items()]

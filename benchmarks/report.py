@@ -15,10 +15,14 @@ from typing import Any
 import numpy as np
 
 from . import tables
+from .fits import marked
 from .fronts import ERRORS, Front
 from .scenes import CASES, Case
 from .work import Row
 
+BESIDE = 1e-6
+FACTOR = 1.5
+"""What the default may take at rtol BESIDE, in units of the time of the best method at the error it reaches."""
 OUT = Path(__file__).parents[1] / "docs" / "benchmarks"
 COMMAND = 'python -m pip install ".[bench]" && python -m benchmarks'
 
@@ -67,11 +71,23 @@ def page(case: Case, rows: Sequence[Row], fronts: dict[str, Front], excluded: Se
     return "\n\n".join(parts) + "\n"
 
 
-def record(case: Case, fronts: dict[str, Front], excluded: Sequence[str], where: str) -> dict[str, object]:
+def record(case: Case, rows: Sequence[Row], fronts: dict[str, Front], excluded: Sequence[str], where: str) -> dict[str, object]:
     """What the summary needs of a scene."""
     cells = {peer: [tables.ratio(fronts, peer, error) for error in ERRORS] for peer in ("Exudyn", "Exudyn tree")}
     best = {program: front.best for program, front in fronts.items()}
-    return {"scene": case.name, "where": where, "ratios": cells, "best": best, "excluded": list(excluded)}
+    return {
+        "scene": case.name, "where": where, "ratios": cells, "best": best, "excluded": list(excluded),
+        "default": default_beside_best(rows, fronts["mbd"])}  # fmt: skip
+
+
+def default_beside_best(rows: Sequence[Row], front: Front) -> dict[str, object] | None:
+    """The default's run at rtol 1e-6, and the time of mbd's front at the same error; None where it failed."""
+    for row in rows:
+        if row.program == "mbd" and row.method == "default" and row.rung.rtol == BESIDE and np.isfinite(row.error):
+            best = front.at(row.error)
+            assert best is not None  # the front is no worse than the row
+            return {"error": row.error, "seconds": row.time, "best": best.seconds, "by": best.by}
+    return None
 
 
 def write(out: Path, case: Case, text: str, entry: dict[str, object]) -> None:
@@ -91,7 +107,9 @@ def summary(entries: dict[str, dict]) -> str:
     parts = [
         "# Run time against error",
         f"Written by `{COMMAND}`. Cells: solve time of mbd over that of the peer, each on its best front at that error (log-log interpolation "
-        "between runs); `only mbd`: the peer cannot reach the error. Errors are shares of each scene's scale.",
+        "between runs); `only mbd`: the peer cannot reach the error. Errors are shares of each scene's scale. Beside this page: "
+        "[what size costs](scaling.md), by `python -m benchmarks.scaling`, and [what the default does with a tolerance](accuracy.md), by "
+        "`python -m benchmarks.accuracy`.",
     ]
     for peer in ("Exudyn", "Exudyn tree"):
         lines = [
@@ -101,8 +119,21 @@ def summary(entries: dict[str, dict]) -> str:
         ]
         if lines:
             parts += [f"## mbd / {peer}", tables.table(head, lines)]
+    parts += _defaults(entries)
     left = [f"- {name}: {text}" for name, entry in entries.items() for text in entry["excluded"]]
     parts += ["## Left out\n\n" + "\n".join(left)] if left else []
     places = dict.fromkeys(entry["where"] for entry in entries.values())
     parts += ["## Machine", "\n".join(f"- {place}: {', '.join(n for n, e in entries.items() if e['where'] == place)}" for place in places)]
     return "\n\n".join(parts) + "\n"
+
+
+def _defaults(entries: dict[str, dict]) -> list[str]:
+    lines = [
+        [case.name, f"{found['error']:.1e}", f"{1e3 * found['seconds']:.4g}", f"{1e3 * found['best']:.4g}", found["by"],
+         marked(found["seconds"] / found["best"], FACTOR)]
+        for case in CASES
+        if (found := entries.get(case.name, {}).get("default"))
+    ]  # fmt: skip
+    note = f"What the default reaches at rtol {BESIDE:g}, and the fastest of mbd's methods at that error. Bar: {FACTOR:g}, `!` above."
+    head = ["scene", "error", "default [ms]", "best [ms]", "by", "default / best"]
+    return ["## The default beside the best of mbd's methods", note, tables.table(head, lines)] if lines else []

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .fits import excess
 from .fronts import ERRORS, Front
 from .work import Row
 
@@ -88,5 +89,4 @@ def _observed(row: Row | None, rtol: float, scale: float) -> str:
 
 def costlier(rows: Sequence[Row]) -> float:
     """The largest ratio of a looser run's work to a tighter one's, 1 where work is monotone. Work: Newton iterations, or steps."""
-    work = [max(row.sample.counts.get("newton iterations", 0), row.sample.counts.get("steps", 0)) for row in rows if row.sample.counts]
-    return max((work[k] / max(1, min(work[k:])) for k in range(len(work))), default=1.0)
+    return excess([max(row.sample.counts.get("newton iterations", 0), row.sample.counts.get("steps", 0)) for row in rows if row.sample.counts])

@@ -16,12 +16,14 @@ FAILURES = 8
 
 
 class Sample(NamedTuple):
-    """One run: solve time [s], the output [d] [m] or None where it failed, what it counted, what to note."""
+    """One run: solve time [s], the output [d] [m] or None where it failed, what it counted, what to note, and, where it was audited, the
+    error of its energy balance over the energy exchanged."""
 
     seconds: float
     value: np.ndarray | None
     counts: dict[str, int] = {}  # noqa: RUF012
     note: str = ""
+    energy: float | None = None
 
 
 class Rung(NamedTuple):

@@ -85,7 +85,7 @@ class DeadForces:
     def __init__(self, *, points: Sequence[Affine], signals: Sequence[Signal]):
         self.maps, self.signals = Maps(points), signals
         self.dofs = self.maps.dofs
-        self.constant_in_q = True
+        self.constant_in_q = self.linear_in_q = True
 
     def inputs(self, times: Array) -> Array:
         return samples(self.signals, times)
@@ -101,7 +101,7 @@ class FollowerForces:
     def __init__(self, count: int, *, points: Sequence[Affine], axes: Sequence[Sequence[Affine]], signals: Sequence[Signal]):
         self.axes, self.signals, self.count = Axes(axes, points), signals, count
         self.dofs = self.axes.dofs
-        self.constant_in_q = False
+        self.constant_in_q = self.linear_in_q = False
 
     def inputs(self, times: Array) -> Array:
         return samples(self.signals, times)[..., : self.count]

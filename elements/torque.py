@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from mbd.scene import Site
 
 
+QUARTER = np.array([[0.0, -1.0], [1.0, 0.0]])  # turns counter-clockwise
+
+
 @dataclass(frozen=True, eq=False)
 class Torque:
     """A torque [N m] at a marker that carries an axis: a number (planar, counter-clockwise) or [3] (spatial, inertial axes;
@@ -65,7 +68,8 @@ class PlacedTorque:
     def assemble(self, model: Model) -> None:
         t = self.description
         if t.marker.dimension == 2:
-            model.load(PlanarTorques, (), axes=[t.marker.axes[0]], signals=[Signal(t.value, (), self.name, "[N m]")])
+            planar = RigidTorques if t.marker.rigid else PlanarTorques
+            model.load(planar, (), axes=[t.marker.axes[0]], signals=[Signal(t.value, (), self.name, "[N m]")])
             return
         signal = Signal(t.value, (3,), self.name, "[N m]")
         if not t.marker.rigid:
@@ -85,25 +89,43 @@ class PlacedTorque:
             return np.zeros(3)
 
 
-class PlanarTorques:
-    """The kernel of all planar torques."""
+class RigidTorques:
+    """The kernel of planar torques on rigid bodies, whose axes have the length 1: linear."""
 
     def __init__(self, *, axes: Sequence[Affine], signals: Sequence[Signal]):
         self.maps, self.signals = Maps(axes), signals
         self.dofs = self.maps.dofs
-        self.constant_in_q = False
-        self._quarter = np.array([[0.0, -1.0], [1.0, 0.0]])
+        self.constant_in_q, self.linear_in_q = False, True
+        self._turned = np.swapaxes(self.maps.matrix, -1, -2) @ QUARTER @ self.maps.matrix
+
+    def inputs(self, times: Array) -> Array:
+        return samples(self.signals, times)
+
+    def force(self, q: Array, inputs: Array) -> Array:
+        return inputs[..., None] * (self._turned @ q[..., self.dofs][..., None])[..., 0]
+
+    def gradient(self, q: Array, inputs: Array) -> Array:
+        return inputs[..., None, None] * self._turned
+
+
+class PlanarTorques:
+    """The kernel of planar torques on axes that stretch."""
+
+    def __init__(self, *, axes: Sequence[Affine], signals: Sequence[Signal]):
+        self.maps, self.signals = Maps(axes), signals
+        self.dofs = self.maps.dofs
+        self.constant_in_q = self.linear_in_q = False
 
     def inputs(self, times: Array) -> Array:
         return samples(self.signals, times)
 
     def force(self, q: Array, inputs: Array) -> Array:
         e = self.maps.value(q)
-        return self.maps.pull(inputs[..., None] * (e @ self._quarter.T) / np.sum(e**2, axis=-1, keepdims=True))
+        return self.maps.pull(inputs[..., None] * (e @ QUARTER.T) / np.sum(e**2, axis=-1, keepdims=True))
 
     def gradient(self, q: Array, inputs: Array) -> Array:
         p = self.maps.matrix
-        return np.swapaxes(p, -1, -2) @ (inputs[..., None, None] * self._quarter @ inverse_gradient(self.maps.value(q))) @ p
+        return np.swapaxes(p, -1, -2) @ (inputs[..., None, None] * QUARTER @ inverse_gradient(self.maps.value(q))) @ p
 
 
 class _SpatialTorques:
@@ -134,7 +156,7 @@ class DeadTorques:
     def __init__(self, count: int, *, axes: Sequence[Sequence[Affine]], signals: Sequence[Signal]):
         self.common, self.signals = _SpatialTorques(count, axes, signals), signals
         self.dofs = self.common.dofs
-        self.constant_in_q = False
+        self.constant_in_q = self.linear_in_q = False
 
     def inputs(self, times: Array) -> Array:
         return samples(self.signals, times)
@@ -152,7 +174,7 @@ class FollowerTorques:
     def __init__(self, count: int, *, axes: Sequence[Sequence[Affine]], signals: Sequence[Signal]):
         self.common, self.signals = _SpatialTorques(count, axes, signals), signals
         self.dofs = self.common.dofs
-        self.constant_in_q = False
+        self.constant_in_q = self.linear_in_q = False
 
     def inputs(self, times: Array) -> Array:
         return samples(self.signals, times)

@@ -21,6 +21,7 @@ if not (_here / "elements").is_dir():
 if TYPE_CHECKING:
     from .archive import load
     from .assembly import assemble
+    from .derivations.scene_equations import equations
     from .elements import PD, AncfCable, Force, ForceLaw, Particle, RigidBody, Spring, Stop, Torque, TorsionSpring
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
@@ -91,6 +92,7 @@ _HOMES = {
     "result": ("Result",),
     "scene": ("Scene",),
     "assembly": ("assemble",),
+    "derivations.scene_equations": ("equations",),
     "run": ("simulate",),
     "state": ("State",),
     "precision": ("WorkPrecision", "work_precision"),
@@ -148,6 +150,7 @@ __all__ = [
     "WorkPrecision",
     "__version__",
     "assemble",
+    "equations",
     "load",
     "piecewise",
     "simulate",

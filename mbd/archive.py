@@ -1,8 +1,9 @@
 """Results in files: ``result.save("run.npz")`` and ``mbd.load("run.npz")``.
 
 An uncompressed .npz without pickle: ``head``, a JSON text in bytes, holds the descriptions of the scene's items, gravity, solver and
-statistics; every other member is a float64 array of the trajectory. Loading builds the scene anew of the same descriptions. Nothing in
-a file is executed, and nothing much larger than the file is allocated for it.
+statistics; every other member is a float64 array of the trajectory; where parts of the scene were integrated separately, the arrays of all
+parts in one row. Loading builds the scene anew of the same descriptions. Nothing in a file is executed, and nothing much larger than the file
+is allocated for it.
 
 Functions of t cannot be stored. What needs them (accelerations, reactions, values between the steps) raises after loading, by name;
 everything else is answered.
@@ -20,7 +21,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -32,20 +33,15 @@ from .assembly import Assembly, Correction, prepare
 from .descriptions import described, functions, rebuilt
 from .errors import SceneWarning, SimulationError
 from .event import Events, Times
+from .parts import Part
 from .result import Result
 from .solvers.protocol import State as SolverState
+from .starts import together
 from .state import State
-from .system import System
-from .trajectory import Trajectory
+from .stored import ARRAYS, CHOSEN, EVENTS, STATE, check_shapes, divided, gathered
+from .trajectory import Trajectory, joined
 
 FORMAT, VERSION = "mbd result", 1
-STATE = tuple(name for name in SolverState._fields if name != "memory")
-"""What is kept of the solver's states: all but what it remembers to predict the next step."""
-ARRAYS = (*STATE, "work")
-CHOSEN = ("chosen_t", "chosen_q", "chosen_v")
-"""The times that ``t_eval`` asked for and the values there; only in results that have them."""
-EVENTS = ("event_t", "event_q", "event_v")
-"""Times and states of all events, one after the other; the head says how many belong to which."""
 
 
 def save(result: Result, path: str | os.PathLike[str]) -> None:
@@ -55,13 +51,13 @@ def save(result: Result, path: str | os.PathLike[str]) -> None:
     """
     if result.scene.build() is not result.system:
         raise ValueError("save: expected the scene as it was in this run, found items added since; save a result before adding to its scene")
-    head, steps = _head(result), result.trajectory
+    head = _head(result)
     if head["functions"]:
         names = ", ".join(map(repr, head["functions"]))
         warnings.warn(f"functions of t are not stored: a loaded result refuses what needs those of {names}", SceneWarning, stacklevel=3)
-    arrays = {name: np.array([getattr(state, name) for state in steps.states]) for name in STATE} | {"work": steps.work}
-    if result.t is not steps.t:
-        arrays |= dict(zip(CHOSEN, (result.t, result.q, result.v)))
+    arrays = gathered(result.trajectory.pieces(), bool(head["parts"]))
+    if result.chosen:
+        arrays |= dict(zip(CHOSEN, result.chosen))
     if result.events:
         arrays |= {name: np.concatenate(parts) for name, parts in zip(EVENTS, zip(*result.events.values()))}
     text = json.dumps(head, default=_plain)
@@ -74,8 +70,12 @@ def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else str(value)
 
 
+def _solver(piece: Trajectory) -> dict[str, Any]:
+    return {"class": type(piece.solver).__name__, "fields": asdict(piece.solver)}
+
+
 def _head(result: Result) -> dict[str, Any]:
-    items = described(result.scene)
+    items, pieces = described(result.scene), result.trajectory.pieces()
     return {
         "format": FORMAT,
         "version": VERSION,
@@ -84,7 +84,8 @@ def _head(result: Result) -> dict[str, Any]:
         "items": items,
         "functions": functions(items),
         "coordinates": result.scene.coordinates(),
-        "solver": {"class": type(result.trajectory.solver).__name__, "fields": asdict(result.trajectory.solver)},
+        "solver": _solver(pieces[0]),
+        "parts": [{"steps": len(each.t), "solver": _solver(each)} for each in pieces] if pieces[0].part.system is not result.system else [],
         "rtol": result.stats["rtol"],
         "stats": result.stats,
         "events": {name: len(times.t) for name, times in result.events.items()},
@@ -166,29 +167,42 @@ def _checked_head(arrays: dict[str, Array]) -> dict[str, Any]:
 
 
 def _restored(head: dict[str, Any], arrays: dict[str, Array]) -> Result:
-    t, q, v, work = (arrays[name] for name in ("t", "q", "v", "work"))
-    n = q.shape[-1]
+    told = head.get("parts", [])
+    n = len(head["coordinates"]) if told else arrays["q"].shape[-1]
     scene = rebuilt(head["gravity"], head["items"], n, max(n, arrays["stress"].shape[-1]))
     system = scene.build()
     if scene.coordinates() != head["coordinates"]:
         raise ValueError(f"expected the coordinates of the run, found others; mbd {head['mbd']} wrote the file, this is {__version__}")
-    _check_shapes(arrays, system)
-    if head["solver"]["class"] not in solvers.__all__:
-        raise ValueError(f"solver: expected one of {', '.join(solvers.__all__)}, found {head['solver']['class']!r}")
-    solver = getattr(solvers, head["solver"]["class"])(**head["solver"]["fields"])
-    states = [SolverState(*state) for state in zip(t.tolist(), *(arrays[name] for name in STATE[1:]))]
-    assembly = _assembly(head, system, State(q[0], v[0], float(t[0])))
-    trajectory = Trajectory(t, q, v, work, states, solver, solver.integrator(float(head["rtol"])), assembly.linear)
-    result = Result(scene, system, trajectory, head["stats"], assembly, None, _events(head.get("events", {}), arrays))
-    if CHOSEN[0] in arrays:
-        result.t, result.q, result.v = (arrays[name] for name in CHOSEN)
-    return result
+    parts = scene.parts() if told else [Part.whole(scene)]
+    if told and len(told) != len(parts):
+        raise ValueError(f"parts: expected {len(parts)} of this scene, found {len(told)}")
+    pieces = divided(arrays, parts, [part["steps"] for part in told])
+    check_shapes({name: array for name, array in arrays.items() if name not in ("head", *ARRAYS)}, system)
+    linears = [prepare(part.system, own["q"][0])[0] for part, own in zip(parts, pieces)]
+    assembly = _assembly(head, parts, pieces, linears, system.n)
+    chosen_solvers = [_rebuilt_solver(part["solver"]) for part in told or [head]]
+    steps = [_trajectory(*each, float(head["rtol"])) for each in zip(parts, pieces, chosen_solvers, linears)]
+    chosen = (arrays["chosen_t"], arrays["chosen_q"], arrays["chosen_v"]) if CHOSEN[0] in arrays else None
+    return Result(scene, system, joined(steps, system.n), head["stats"], assembly, chosen, _events(head.get("events", {}), arrays))
 
 
-def _assembly(head: dict[str, Any], system: System, start: State) -> Assembly:
+def _rebuilt_solver(data: dict[str, Any]) -> Any:
+    if data["class"] not in solvers.__all__:
+        raise ValueError(f"solver: expected one of {', '.join(solvers.__all__)}, found {data['class']!r}")
+    return getattr(solvers, data["class"])(**data["fields"])
+
+
+def _trajectory(part: Part, own: dict[str, Array], solver: Any, linear: Any, rtol: float) -> Trajectory:
+    states = [SolverState(**dict(zip(STATE, state))) for state in zip(own["t"].tolist(), *(own[name] for name in STATE[1:]))]
+    return Trajectory(part, own["t"], own["q"], own["v"], own["work"], states, solver, solver.integrator(rtol), linear)
+
+
+def _assembly(head: dict[str, Any], parts: list[Part], pieces: list[dict[str, Array]], linears: list[Any], n: int) -> Assembly:
     """The start as it was found, with linear algebra prepared anew."""
+    begin = [State(own["q"][0], own["v"][0], float(own["t"][0])) for own in pieces]
+    whole = together([Assembly(state, (), (), linear) for state, linear in zip(begin, linears)], parts, n)
     corrections = tuple(Correction(**correction) for correction in head["corrections"])
-    return Assembly(start, corrections, tuple(head["redundant"]), prepare(system, start.q)[0])
+    return replace(whole, corrections=corrections, redundant=tuple(head["redundant"]))
 
 
 def _events(counts: dict[str, int], arrays: dict[str, Array]) -> Events:
@@ -199,14 +213,3 @@ def _events(counts: dict[str, int], arrays: dict[str, Array]) -> Events:
         raise ValueError(f"events: expected {ends[-1]} times, found {len(arrays[EVENTS[0]])}")
     parts = zip(*(np.split(arrays[name], ends[:-1]) for name in EVENTS))
     return Events({name: Times(*part) for name, part in zip(counts, parts)}, {})
-
-
-def _check_shapes(arrays: dict[str, Array], system: System) -> None:
-    widths: dict[str, tuple[int, ...]] = {"t": (), "work": (), "multipliers": (system.m,), "stress": (system.n_stresses,)}
-    for name, array in arrays.items():
-        length = len(arrays[CHOSEN[0] if name in CHOSEN else EVENTS[0] if name in EVENTS else "t"])
-        shape = (length, *widths.get(name.removeprefix("chosen_").removeprefix("event_"), (system.n,)))
-        if name != "head" and not (array.shape == shape and np.isfinite(array).all()):
-            raise ValueError(f"{name}: expected finite numbers of shape {shape}, found shape {array.shape}, or NaN among them")
-    if not len(arrays["t"]) or np.any(np.diff(arrays["t"]) <= 0.0):
-        raise ValueError("t: expected one time or more, ascending, found others")

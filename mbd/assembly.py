@@ -81,6 +81,7 @@ def consistent(system: System, state: State) -> Assembly:
     except Singular:
         rows = [int(np.argmax(np.abs(system.joints.at(state.q).value - goal.value) * linear.reach))]
         raise SceneError([_conflict(system, rows, "the joints lock on the way to a position that satisfies them")]) from None
+    linear.origin = q
     unmet = (system.joints.at(q).push(v) - goal.rate) * linear.reach
     scale = float(np.max(np.abs(v) * system.levers, initial=0.0))
     if np.max(np.abs(unmet), initial=0.0) > 1e-6 * scale:

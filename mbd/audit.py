@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from .system import System
-from .trajectory import Trajectory
+from .trajectory import Joined, Trajectory
 
 
 @dataclass(frozen=True)
@@ -20,6 +22,7 @@ class Audit:
     energy_scale     the largest energy exchanged [J]
     energy_level     the largest energy of any kind [J]
     work             of loads, drives and dampers over the run [J]
+    parts            of a scene of several independent parts the audits of each, whose energies are summed above; else empty
     """
 
     position_drift: float
@@ -28,10 +31,13 @@ class Audit:
     energy_scale: float
     energy_level: float
     work: float
+    parts: tuple[Audit, ...] = field(default=(), repr=False)
 
     @property
     def balanced(self) -> bool:
         """Whether the energy adds up at all: an imbalance of a fifth, above rounding, means an unstable or far too coarse run."""
+        if self.parts:
+            return all(part.balanced for part in self.parts)
         return self.energy_error <= max(0.2 * self.energy_scale, 1e-9 * self.energy_level)
 
     def __str__(self) -> str:
@@ -43,19 +49,42 @@ class Audit:
         )
 
 
-def audit(system: System, trajectory: Trajectory) -> Audit:
-    """The audit of a trajectory."""
-    q, v = trajectory.q, trajectory.v
+class _Found(NamedTuple):
+    """What was found in one part: gaps and slips of joints, levers times velocities, and energies."""
+
+    gap: float
+    slip: float
+    speed: float
+    error: float
+    exchanged: float
+    level: float
+    work: float
+
+
+def audit(system: System, trajectory: Trajectory | Joined) -> Audit:
+    """The audit of a trajectory, each part at its own steps."""
+    found = [_found(each) for each in trajectory.pieces()]
+    parts = tuple(_summed([one], system.length) for one in found) if len(found) > 1 else ()
+    return _summed(found, system.length, parts)
+
+
+def _summed(found: Sequence[_Found], length: float, parts: tuple[Audit, ...] = ()) -> Audit:
+    gap, slip, speed = (max(getattr(one, name) for one in found) for name in ("gap", "slip", "speed"))
+    error, exchanged, level, work = (sum(getattr(one, name) for one in found) for name in ("error", "exchanged", "level", "work"))
+    return Audit(gap / length, slip / max(speed, 1e-300), error, exchanged, level, work, parts)
+
+
+def _found(trajectory: Trajectory) -> _Found:
+    system, q, v = trajectory.part.system, trajectory.q, trajectory.v
     joints, reach, goal = system.joints.at(q), trajectory.linear.reach, system.inputs(trajectory.t).targets
-    speed = max(float(np.max(np.abs(v) * system.levers, initial=0.0)), 1e-300)
     kinetic, elastic, potential = system.kinetic(v), system.elastic(q), system.potential(q)
     balance = kinetic + elastic + potential - trajectory.work
-    exchanged = max(float(np.ptp(part)) for part in (kinetic, elastic, potential))
-    return Audit(
-        float(np.max(np.abs(joints.value - goal.value) * reach, initial=0.0)) / system.length,
-        float(np.max(np.abs(joints.push(v) - goal.rate) * reach, initial=0.0)) / speed,
-        float(np.max(np.abs(balance - balance[0]))),
-        exchanged,
-        max(float(np.max(np.abs(part))) for part in (kinetic, elastic, potential)),
-        float(trajectory.work[-1]),
+    return _Found(
+        gap=float(np.max(np.abs(joints.value - goal.value) * reach, initial=0.0)),
+        slip=float(np.max(np.abs(joints.push(v) - goal.rate) * reach, initial=0.0)),
+        speed=float(np.max(np.abs(v) * system.levers, initial=0.0)),
+        error=float(np.max(np.abs(balance - balance[0]))),
+        exchanged=max(float(np.ptp(part)) for part in (kinetic, elastic, potential)),
+        level=max(float(np.max(np.abs(part))) for part in (kinetic, elastic, potential)),
+        work=float(trajectory.work[-1]),
     )

@@ -114,6 +114,13 @@ class Quadratic:
         """Whether G is constant."""
         return self.gradient_factor.size == 0
 
+    @property
+    def constant_rows(self) -> NDArray[np.bool_]:
+        """[m]: whether the row's part of G is constant."""
+        constant = np.ones(self.m, dtype=bool)
+        constant[self.rows[self.by_slot.keys]] = False
+        return constant
+
     def prepare(self, q: Array) -> Array:
         """z [..., 1 + forms], which the other methods take."""
         z = np.empty((*q.shape[:-1], 1 + self.offsets.size))

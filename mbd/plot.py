@@ -54,7 +54,7 @@ def plot(result: Result, times: ArrayLike | None = None, *, items: Sequence[Any]
     chosen = _spread(result, SHAPES) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
     outline = _outline(result, items)
     ax = _axes(plt, result.system.dimension, ax)
-    q, _ = result.trajectory.at(result.system, chosen)
+    q, _ = result.trajectory.at(chosen)
     shade = plt.cm.ScalarMappable(plt.Normalize(chosen.min(), chosen.max()), "viridis")
     layers = [(_joined(lines, q), style) for lines, style in _layers(outline)]
     for k, colour in enumerate(shade.to_rgba(chosen)):
@@ -88,7 +88,7 @@ def animate(result: Result, path: str | os.PathLike[str] | None = None, *, fps: 
     times = _spread(result, max(int(np.ceil(span / speed * fps)), 1) + 1)
     outline = _outline(result, None)
     ax = _axes(plt, result.system.dimension, None)
-    q, _ = result.trajectory.at(result.system, times)
+    q, _ = result.trajectory.at(times)
     layers = [(_joined(lines, q), style) for lines, style in _layers(outline)]
     whole = np.concatenate([points.reshape(-1, result.system.dimension) for points, _ in layers])
     ax.plot(*whole.T, alpha=0.0)  # sets the limits once and for all

@@ -15,10 +15,11 @@ from .affine import Array
 from .audit import Audit, audit
 from .event import Events
 from .marker import Marker
+from .parts import Index, Part
 from .reaction import reaction
 from .state import State
 from .system import System
-from .trajectory import Trajectory
+from .trajectory import Joined, Trajectory
 
 if TYPE_CHECKING:
     from .assembly import Assembly
@@ -41,28 +42,36 @@ class Energy:
 class Result:
     """A run of a scene.
 
-    t [n_t]: the accepted steps, or ``t_eval``; q, v [n_t, n] in order of ``scene.coordinates()``. Methods take a marker or item, and
-    optionally other times ``t``, at which values are interpolated and projected to the joints. ``events[event]``: when each happened, t, q, v.
-    Where a load jumps, accelerations and reactions are those after the jump.
+    t [n_t]: the accepted steps (of several independent parts: of the one that took most), or ``t_eval``; q, v [n_t, n] in order of
+    ``scene.coordinates()``. Methods take a marker or item, and optionally other times ``t``, at which values are interpolated and projected
+    to the joints. ``events[event]``: when each happened, t, q, v. Where a load jumps, accelerations and reactions are those after the jump.
     """
 
     def __init__(
         self,
         scene: Scene,
         system: System,
-        trajectory: Trajectory,
+        trajectory: Trajectory | Joined,
         stats: dict[str, Any],
         assembly: Assembly,
-        t_eval: Array | None,
+        chosen: tuple[Array, Array, Array] | None,
         events: Events,
     ):
         self.scene, self.system, self.trajectory, self.stats, self.assembly = scene, system, trajectory, stats, assembly
-        self.events = events
-        if t_eval is None:
-            self.t, self.q, self.v = trajectory.t, trajectory.q, trajectory.v
-        else:
-            self.t = t_eval[t_eval <= trajectory.t[-1]]
-            self.q, self.v = trajectory.at(system, self.t)
+        self.chosen, self.events = chosen, events
+        self._instants: dict[Part, tuple[Array, Array]] = {}
+
+    @property
+    def t(self) -> Array:
+        return self.chosen[0] if self.chosen else self.trajectory.t
+
+    @property
+    def q(self) -> Array:
+        return self.chosen[1] if self.chosen else self.trajectory.q
+
+    @property
+    def v(self) -> Array:
+        return self.chosen[2] if self.chosen else self.trajectory.v
 
     def __repr__(self) -> str:
         return f"<result: {self.trajectory.t[0]:g} to {self.trajectory.t[-1]:g} s in {len(self.trajectory.t) - 1} steps>"
@@ -70,68 +79,63 @@ class Result:
     @property
     def final(self) -> State:
         """The last state: ``simulate(scene, t_end, start=result.final)`` continues."""
-        return State(self.trajectory.q[-1], self.trajectory.v[-1], float(self.trajectory.t[-1]))
+        return self.trajectory.end
 
-    def _motion(self, t: ArrayLike | None) -> tuple[Array, Array]:
-        if t is None:
-            return self.q, self.v
-        return self.trajectory.at(self.system, np.asarray(t, dtype=float))
+    def _motion(self, t: ArrayLike | None, columns: Index) -> tuple[Array, Array]:
+        """q, v [..., n]; of the parts that these coordinates belong to, at least."""
+        if t is not None:
+            return self.trajectory.at(np.asarray(t, dtype=float), columns)
+        return (self.chosen[1], self.chosen[2]) if self.chosen else self.trajectory.values(columns)
 
     def position(self, marker: Marker, t: ArrayLike | None = None) -> Array:
         """[n_t, d] [m]."""
-        return _marker(marker).point.value(self._motion(t)[0])
+        point = _marker(marker).point
+        return point.value(self._motion(t, point.columns())[0])
 
     def velocity(self, marker: Marker, t: ArrayLike | None = None) -> Array:
         """[n_t, d] [m/s]."""
-        return _marker(marker).point.rate(self._motion(t)[1])
+        point = _marker(marker).point
+        return point.rate(self._motion(t, point.columns())[1])
 
     def acceleration(self, marker: Marker, t: ArrayLike | None = None) -> Array:
         """[n_t, d] [m/s^2], from the equations of motion at each instant."""
-        return _marker(marker).point.rate(self._index_one(t)[0])
+        point = _marker(marker).point
+        return point.rate(self._index_one(t, point.columns())[0])
 
-    @cached_property
-    def _at_steps(self) -> tuple[Array, Array]:
-        return self._solve_index_one(self.t, self.q, self.v)
-
-    def _index_one(self, t: ArrayLike | None) -> tuple[Array, Array]:
-        """Accelerations [..., n] and multipliers [..., m]."""
-        if t is None:
-            return self._at_steps
-        times = np.asarray(t, dtype=float)
-        q, v = self._motion(times)
-        a, multipliers = self._solve_index_one(times.ravel(), q.reshape(-1, self.system.n), v.reshape(-1, self.system.n))
-        return a.reshape(q.shape), multipliers.reshape(*q.shape[:-1], self.system.m)
-
-    def _solve_index_one(self, times: Array, q: Array, v: Array) -> tuple[Array, Array]:
-        from .solvers.start import accelerations, mass_factor
-
-        linear = self.trajectory.linear
-        out_a, out_l = np.empty_like(q), np.empty((len(q), self.system.m))
-        for k in range(len(q)):
-            factor = mass_factor(self.system, linear, q[k])
-            out_a[k], out_l[k] = accelerations(self.system, factor, q[k], v[k], self.system.inputs(float(times[k])))
-        return out_a, out_l
+    def _index_one(self, t: ArrayLike | None, columns: Index) -> tuple[Array, Array]:
+        """Accelerations [..., n] and multipliers [..., m], of the parts that these coordinates belong to, at least."""
+        times = self.t if t is None else np.asarray(t, dtype=float)
+        q, v = self._motion(t, columns)
+        a, multipliers = np.full(q.shape, np.nan), np.full((*times.shape, self.system.m), np.nan)
+        for piece in self.trajectory.pieces(columns):
+            part, known = piece.part, self._instants if t is None else {}
+            if part not in known:
+                known[part] = _solve_index_one(piece, times, q[..., part.columns], v[..., part.columns])
+            a[..., part.columns], multipliers[..., part.rows] = known[part]
+        return a, multipliers
 
     def reaction(self, joint: Any, t: ArrayLike | None = None) -> Array:
         """[n_t, 3] or [n_t, 6]: force [N], then moment [N m], that the joint exerts on its first marker, about it, in inertial axes."""
         rows = [k for k, (item, _) in enumerate(self.system.joints.labels) if item == getattr(joint, "name", None)]
         if not rows or not hasattr(getattr(joint, "description", None), "rows"):
             raise ValueError(f"reaction({joint!r}): expected a joint of this scene, as scene.add(mbd.Pin(...)) returned it")
-        q, _ = self._motion(t)
-        return reaction(joint, joint.pose(self.system.q0), q, self._index_one(t)[1][..., rows])
+        columns = np.concatenate([marker.point.columns() for marker in joint.description.markers])
+        q, _ = self._motion(t, columns)
+        return reaction(joint, joint.pose(self.system.q0), q, self._index_one(t, columns)[1][..., rows])
 
     def angle(self, item: Any, t: ArrayLike | None = None) -> Array:
         """[n_t] [rad]: of a planar body's or marker's axis, of a cable marker's tangent; counter-clockwise, unwrapped."""
         axis = self._axis(item)
-        steps = self.trajectory
-        direction, turning = axis.value(steps.q), axis.rate(steps.v)
+        steps = (*self.trajectory.pieces(axis.columns()), *self.trajectory.pieces())[0]
+        q, v = (steps.part.widened(x, self.system.n) for x in (steps.q, steps.v))
+        direction, turning = axis.value(q), axis.rate(v)
         principal = np.arctan2(direction[:, 1], direction[:, 0])
         speed = (direction[:, 0] * turning[:, 1] - direction[:, 1] * turning[:, 0]) / np.sum(direction**2, axis=1)
         expected = 0.5 * np.diff(steps.t) * (speed[1:] + speed[:-1])
         turns = np.round((np.diff(principal) - expected) / (2.0 * np.pi))
         angles = principal - 2.0 * np.pi * np.concatenate(([0.0], np.cumsum(turns)))
         times = self.t if t is None else np.asarray(t, dtype=float)
-        now = axis.value(self._motion(t)[0])
+        now = axis.value(self._motion(t, axis.columns())[0])
         near = np.interp(times, steps.t, angles) if len(steps.t) > 1 else np.full(times.shape, angles[0])
         wrapped = np.arctan2(now[..., 1], now[..., 0])
         return wrapped + 2.0 * np.pi * np.round((near - wrapped) / (2.0 * np.pi))
@@ -146,13 +150,13 @@ class Result:
 
     def rotation(self, body: Any, t: ArrayLike | None = None) -> Array:
         """[n_t, d, d]: columns are the body axes."""
-        q, _ = self._motion(t)
-        return _frame(self._body_axes(body), q)
+        axes = self._body_axes(body)
+        return _frame(axes, self._motion(t, axes[0].columns())[0])
 
     def angular_velocity(self, body: Any, t: ArrayLike | None = None) -> Array:
         """[n_t, 3] inertial components (spatial), [n_t] (planar) [rad/s]."""
-        q, v = self._motion(t)
         axes = self._body_axes(body)
+        q, v = self._motion(t, axes[0].columns())
         e = np.stack([axis.value(q) for axis in axes], axis=-2)
         rate = np.stack([axis.rate(v) for axis in axes], axis=-2)
         if self.system.dimension == 2:
@@ -197,6 +201,18 @@ def _marker(marker: Any) -> Marker:
     if not isinstance(marker, Marker):
         raise TypeError(f"expected a marker such as rod.end or body.at(x, y), found {marker!r}")
     return marker
+
+
+def _solve_index_one(piece: Trajectory, times: Array, q: Array, v: Array) -> tuple[Array, Array]:
+    """Accelerations and multipliers of one part at q, v [..., n_part] and times [...]."""
+    from .solvers.start import accelerations, mass_factor
+
+    system, linear = piece.part.system, piece.linear
+    a, multipliers = np.empty(q.shape), np.empty((*times.shape, system.m))
+    for k in np.ndindex(times.shape):
+        factor = mass_factor(system, linear, q[k])
+        a[k], multipliers[k] = accelerations(system, factor, q[k], v[k], system.inputs(float(times[k])))
+    return a, multipliers
 
 
 def _frame(axes: Any, q: Array) -> Array:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
-from typing import Any
+from collections import defaultdict
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,9 @@ from .layout import Layout
 from .marker import Marker
 from .model import Model
 from .system import System
+
+if TYPE_CHECKING:
+    from .parts import Part
 
 
 class Scene:
@@ -39,8 +42,10 @@ class Scene:
         self.ground = Ground(self)
         self.items: list[Any] = []
         self._names: dict[str, Any] = {"ground": self.ground}
+        self._numbers: dict[str, int] = defaultdict(lambda: 1)  # the least that a made name may still have, by stem
         self._bad: set[str] = set()
         self._built: tuple[int, System] | None = None
+        self._parts: tuple[System, list[Part]] | None = None
 
     def __repr__(self) -> str:
         return f"<{'planar' if self.dimension == 2 else 'spatial'} scene of {len(self.items)} items>"
@@ -77,7 +82,9 @@ class Scene:
         stem = wanted or description.kind
         if wanted is not None:
             self._complaints.append(f"{description.kind} {wanted!r}: name: expected one not used yet, found {wanted!r} a second time; rename one")
-        return next(name for k in itertools.count(1) if (name := f"{stem} {k}") not in self._names)
+        while (name := f"{stem} {self._numbers[stem]}") in self._names:
+            self._numbers[stem] += 1
+        return name
 
     def _faults(self, name: str, description: Any) -> list[str]:
         markers = getattr(description, "markers", None)
@@ -120,6 +127,15 @@ class Scene:
         if self._built is None or self._built[0] != len(self.items):
             self._built = (len(self.items), self._assemble())
         return self._built[1]
+
+    def parts(self) -> list[Part]:
+        """The independent parts of the scene, which are integrated separately; the same objects until something is added."""
+        from .parts import split
+
+        system = self.build()
+        if self._parts is None or self._parts[0] is not system:
+            self._parts = (system, split(self))
+        return self._parts[1]
 
     def _assemble(self) -> System:
         if self._complaints:

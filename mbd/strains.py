@@ -28,8 +28,7 @@ class Strains:
     def _split(self, stress: Array) -> list[Array]:
         ends = self.system.ends
         return [
-            stress[..., ends[i] : ends[i + 1]].reshape(*stress.shape[:-1], *kernel.modulus.shape)
-            for i, kernel in enumerate(self.system.measures)
+            stress[..., ends[i] : ends[i + 1]].reshape(*stress.shape[:-1], *kernel.modulus.shape) for i, kernel in enumerate(self.system.measures)
         ]
 
     @property

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .affine import Array
-from .equations import Joints
+from .constraint_set import Joints
 from .model import Model, build
 from .scatter import Scatter
 from .strains import Strains
@@ -49,7 +49,10 @@ class Inputs:
 
 
 class System:
-    """The numeric system of a scene; ``n`` coordinates, ``m`` equations, ``n_stresses`` independent stresses."""
+    """The numeric system of a scene; ``n`` coordinates, ``m`` equations, ``n_stresses`` independent stresses.
+
+    ``affine``: loads are constant in time and linear in q. ``driven``: some equations follow functions of time.
+    """
 
     def __init__(self, model: Model):
         self.dimension, self.n, self.length = model.dimension, model.n, model.length
@@ -74,6 +77,8 @@ class System:
         self.loads = build(model.loads)
         self.load_scatters = [Scatter(kernel.dofs, self.n) for kernel in self.loads]
         self.steady = all(signal.function is None for kernel in self.loads for signal in kernel.signals)
+        self.affine = self.steady and all(kernel.linear_in_q for kernel in self.loads)
+        self.driven = bool(model.drives)
         self._compile_tangent()
 
     def _compile_mass(self, model: Model) -> None:
@@ -116,7 +121,7 @@ class System:
         loads = [pairs(self.loads[i].dofs) for i in self._moving_loads]
         curves = [(self.joints.curvature_rows, self.joints.curvature_cols)]
         empty = [(np.zeros(0, np.intp), np.zeros(0, np.intp))]
-        self.damping_rows, self.damping_cols = (np.concatenate(part) for part in zip(*(strains or empty)))
+        self.damping_rows, self.damping_cols = (np.concatenate(part) for part in zip(*(strains if self.viscosity is not None else empty)))
         self.stiffness_rows, self.stiffness_cols = (np.concatenate(part) for part in zip(*(strains + curves + loads)))
 
     def strains(self, q: Array) -> Strains:

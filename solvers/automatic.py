@@ -1,27 +1,38 @@
 """The default: explicit where nothing is stiff, implicit where something is, and from one to the other where the scene asks for it.
 
-Systems with elastic elements take Radau IIA. Others take the projected explicit method, which hands over to Radau where their joints come
-near a singular position (bars in line) and takes over again some steps after it was passed.
+Beams take Radau IIA. Other systems take the projected explicit method, which hands over to Radau where their joints come near a singular
+position (bars in line) and takes over again some steps after it was passed; and for good where springs or dampers make them stiff.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from .formats import Singular
 from .linear import Linear
+from .projected import Memory as ExplicitMemory
 from .projected import ProjectedExplicit
 from .protocol import Attempt, State
 from .radau import Radau, RadauIIA
+from .start import accelerations, mass_factor
 from .system import Array, System
 
 IMPLICIT_STEPS = 5
 """Steps that the implicit method takes before the explicit one is tried again."""
 
+IMPLICIT, EXPLICIT = 0, 1
+
+STABLE, ALARMS = 6.1, 15
+"""Step times fastest rate at the border of stability, and the surplus of steps beyond it that proves a system stiff (Hairer and Wanner)."""
+
 
 @dataclass(frozen=True)
 class Automatic:
-    """Dormand and Prince's explicit method, with Radau IIA where joints come near a singular position; for scenes without stiff elements."""
+    """Dormand and Prince's explicit method, with Radau IIA near singular positions, and for good where springs prove stiff."""
 
     def integrator(self, rtol: float) -> Switching:
         """The method for a tolerance."""
@@ -30,17 +41,20 @@ class Automatic:
 
 def default(system: System) -> tuple[Automatic | Radau, str]:
     """The solver for a system whose user named none, and why."""
-    if system.n_stresses:
-        return Radau(), "elastic elements may be stiff"
-    return Automatic(), "nothing is elastic: explicit, implicit only near singular positions"
+    if not system.n_stresses:
+        return Automatic(), "nothing is elastic: explicit, implicit only near singular positions"
+    if np.array_equal(system.mass_rows, system.mass_cols):
+        return Automatic(), "springs between rigid bodies: explicit, implicit near singular positions and where they prove stiff"
+    return Radau(), "elastic continua are stiff"
 
 
 class Memory(NamedTuple):
-    """Who is at work, what it remembers, and for how many steps the implicit method goes on."""
+    """Who is at work, what it remembers, for how many steps the implicit method goes on, and how often stability limited the explicit one."""
 
     explicit: bool
     inner: Any
-    left: int
+    left: float = 0.0
+    alarms: int = 0
 
 
 class Switching:
@@ -50,32 +64,53 @@ class Switching:
 
     def __init__(self, implicit: RadauIIA):
         self.explicit, self.implicit = ProjectedExplicit(), implicit
-        self.name = f"{self.explicit.name}, near singular positions {implicit.name}"
+        self.name = f"{self.explicit.name}, otherwise {implicit.name}"
 
     def first_step(self, system: System, state: State, acceleration: Array, span: float, tolerance: float) -> float:
         return self.explicit.first_step(system, state, acceleration, span, tolerance)
 
     def kept(self, memory: Memory | None) -> None:
-        """Nothing: values inside a step are found by solving it once more, implicitly."""
+        """Nothing: the state says whose step it was, and values inside are found by the same method."""
 
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:
         """One step by the method at work; where the explicit one cannot go on, by the implicit one."""
-        memory = state.memory or Memory(True, None, 0)
+        memory = state.memory or Memory(True, None)
         if memory.explicit or memory.left == 0:
             inner = memory.inner if memory.explicit else None
             attempt = self.explicit.step(system, linear, state._replace(memory=inner), h, tolerance)
             if attempt.state is not None:
-                return _remembering(attempt, True, 0)
-            memory = Memory(False, None, IMPLICIT_STEPS)
+                return self._after_explicit(system, linear, attempt, memory.alarms)
+            state, memory = _complete(system, linear, state), Memory(False, None, IMPLICIT_STEPS)
         attempt = self.implicit.step(system, linear, state._replace(memory=memory.inner), h, tolerance)
-        return _remembering(attempt, False, max(memory.left - 1, 0))
+        return _remembering(attempt, lambda inner: Memory(False, inner, max(memory.left - 1, 0)), IMPLICIT)
+
+    def _after_explicit(self, system: System, linear: Linear, attempt: Attempt, alarms: int) -> Attempt:
+        """The explicit method goes on, unless its steps were too often as long as stability allows."""
+        inner = attempt.state.memory if attempt.state else None
+        if attempt.error <= 1.0 and isinstance(inner, ExplicitMemory):
+            alarms = alarms + 1 if inner.stiffness > STABLE else max(alarms - 1, 0)
+        if alarms < ALARMS or attempt.state is None:
+            return _remembering(attempt, lambda inner: Memory(True, inner, 0.0, alarms), EXPLICIT)
+        done = attempt._replace(state=_complete(system, linear, attempt.state))
+        return _remembering(done, lambda inner: Memory(False, None, np.inf), EXPLICIT)
 
     def inside(self, system: System, linear: Linear, before: State, after: State, times: Array) -> tuple[Array, Array]:
-        """q, v [n_t, n] at times within a step, as the implicit method finds them."""
-        return self.implicit.inside(system, linear, before, after, times)
+        """q, v [n_t, n] at times within a step, as the method that took it finds them."""
+        if after.method == EXPLICIT:
+            return self.explicit.inside(system, linear, before._replace(memory=None), after, times)
+        return self.implicit.inside(system, linear, _complete(system, linear, before), after, times)
 
 
-def _remembering(attempt: Attempt, explicit: bool, left: int) -> Attempt:
+def _complete(system: System, linear: Linear, state: State) -> State:
+    """The state with the multipliers of all equations: the explicit method may leave some out."""
+    try:
+        factor = mass_factor(system, linear, state.q)
+    except Singular:
+        return state
+    return state._replace(multipliers=accelerations(system, factor, state.q, state.v, system.inputs(state.t))[1])
+
+
+def _remembering(attempt: Attempt, memory: Callable[[Any], Memory], method: int) -> Attempt:
     if attempt.state is None:
         return attempt
-    return attempt._replace(state=attempt.state._replace(memory=Memory(explicit, attempt.state.memory, left)))
+    return attempt._replace(state=attempt.state._replace(memory=memory(attempt.state.memory), method=method))

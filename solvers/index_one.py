@@ -1,14 +1,17 @@
-"""Accelerations where the mass matrix is diagonal: the multipliers' own equations, half the size of the KKT matrix.
+"""The motion of a system in all its coordinates, with index-1 accelerations.
+
+Where the mass matrix is diagonal, by the multipliers' own equations, half the size of the KKT matrix:
 
     S lambda = G M^-1 f + v' d2g/dq2 v - c'',    S = G M^-1 G',    a = M^-1 (f - G' lambda)
 
 S is symmetric and positive definite; its entries are sums over pairs of entries of G in one column, listed once. Rigid bodies about
 their principal axes and particles have diagonal M; other systems, redundant joints and massless coordinates take the KKT matrix.
+Small systems have a cheaper form (``reduced.py``).
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 from scipy.linalg import lapack
@@ -16,38 +19,89 @@ from scipy.linalg import lapack
 from .formats import Singular
 from .linear import Linear
 from .ordering import half_bandwidth, reverse_cuthill_mckee
-from .start import accelerations, mass_factor
-from .system import Array, Index, System, targets
+from .reduced import NEARLY_SINGULAR, reduced
+from .start import accelerations, floor_of, mass_factor, project_positions, project_velocities, settle
+from .system import Array, Index, JointsAt, System, targets
 
-NEARLY_SINGULAR = 1e-9
-"""Squared ratio of the smallest to the largest pivot of the scaled S below which the multipliers are no longer trusted."""
-
-DENSE_UP_TO = 40
-
-
-def index_one(system: System, linear: Linear) -> NormalEquations | KktEquations:
-    """The cheaper way to the accelerations of a system."""
-    diagonal = np.array_equal(system.mass_rows, system.mass_cols) and np.all(np.bincount(system.mass_rows, minlength=system.n) == 1)
-    regular = diagonal and not linear.softened and bool((system.mass_values > 0.0).all()) and system.m > 0
-    return NormalEquations(system) if regular else KktEquations(system, linear)
+DENSE_UP_TO, DENSEST = 40, 300
+"""Equations up to which S is factorised dense whatever its pattern, and, where it has no band (a star), at all."""
 
 
-class KktEquations:
-    """Through the KKT matrix of the mass: any system."""
+class Form(Protocol):
+    """A system for an explicit method: states w [2, ...], positions and velocities in the form's own coordinates; see ``Reduced``."""
+
+    shape: tuple[int, int]
+
+    def enter(self, q: Array, v: Array) -> Array: ...
+    def leave(self, w: Array) -> tuple[Array, Array]: ...
+    def lengths(self, dw: Array) -> Array: ...
+    def all_rows(self, multipliers: Array) -> Array: ...
+    def rates(self, system: System, w: Array, t: float, out: Array) -> Array: ...
+    def land(self, system: System, w: Array, t: float, out: Array) -> Array: ...
+
+
+def index_one(system: System, linear: Linear) -> Form:
+    """The cheapest form of a system."""
+    small = reduced(system, linear)
+    if small:
+        return small
+    if not Normal.serves(system) or linear.softened:
+        return Kkt(system, linear)
+    normal = Normal(system, linear)
+    return normal if normal.band or system.m <= DENSEST else Kkt(system, linear)
+
+
+class Whole:
+    """What both forms share whose states are w = (q, v) [2, n]."""
 
     def __init__(self, system: System, linear: Linear):
-        self.system, self.linear = system, linear
+        self.linear, self.levers, self.shape = linear, system.levers, (2, system.n)
 
-    def solve(self, q: Array, v: Array, inputs: Any) -> tuple[Array, Array]:
-        """a [n], multipliers [m]; raises Singular."""
-        return accelerations(self.system, mass_factor(self.system, self.linear, q), q, v, inputs)
+    def enter(self, q: Array, v: Array) -> Array:
+        return np.stack((q, v))
+
+    def leave(self, w: Array) -> tuple[Array, Array]:
+        return w[..., 0, :], w[..., 1, :]
+
+    def lengths(self, dw: Array) -> Array:
+        """[..., 2]: the largest changes of positions [m] and of velocities [m/s] that dw [..., 2, n] stands for."""
+        return np.max(np.abs(dw) * self.levers, axis=-1, initial=0.0)
+
+    def all_rows(self, multipliers: Array) -> Array:
+        return multipliers
 
 
-class NormalEquations:
+class Kkt(Whole):
+    """Through the KKT matrix of the mass: any system."""
+
+    def rates(self, system: System, w: Array, t: float, out: Array) -> Array:
+        """dw/dt into ``out``; returns the multipliers [m]. Raises Singular where equations depend on each other."""
+        out[0] = w[1]
+        out[1], multipliers = accelerations(system, mass_factor(system, self.linear, w[0]), w[0], w[1], system.inputs(t))
+        return multipliers
+
+    def land(self, system: System, w: Array, t: float, out: Array) -> Array:
+        """Moves w to the joints, in place, and goes on as ``rates``; raises Inconsistent where it finds none near."""
+        if system.m:
+            goal = targets(system.inputs(t))
+            factor = mass_factor(system, self.linear, w[0])
+            w[0] = project_positions(system, self.linear, w[0], goal.value, factor=factor, sweeps=8)
+            w[1] = project_velocities(system, factor, w[0], w[1], goal.rate)
+        return self.rates(system, w, t, out)
+
+
+class Normal(Whole):
     """Through S = G M^-1 G', by Cholesky factors, dense or band."""
 
-    def __init__(self, system: System):
-        self.system, joints = system, system.joints
+    @staticmethod
+    def serves(system: System) -> bool:
+        """Whether there are joints, and M is diagonal and positive."""
+        lone = np.array_equal(system.mass_rows, system.mass_cols) and np.all(np.bincount(system.mass_rows, minlength=system.n) == 1)
+        return bool(system.m > 0 and lone and (system.mass_values > 0.0).all())
+
+    def __init__(self, system: System, linear: Linear):
+        super().__init__(system, linear)
+        joints = system.joints
         self.inverse = np.empty(system.n)
         self.inverse[system.mass_rows] = 1.0 / system.mass_values
         self.root = np.sqrt(self.inverse)[joints.cols]
@@ -65,20 +119,34 @@ class NormalEquations:
         self.size = system.m * self.height
         self.order = order
 
-    def solve(self, q: Array, v: Array, inputs: Any) -> tuple[Array, Array]:
-        """a [n], multipliers [m]; raises Singular where S nearly is."""
-        system = self.system
-        force = system.load(q, inputs)
-        if system.n_stresses:
-            strains = system.strains(q)
-            force = force - strains.pull(system.stress(strains, v))
-        joints = system.joints.at(q)
-        free = self.inverse * force
-        right = joints.push(free) + joints.bias(v) - targets(inputs).acceleration
-        multipliers = self._solve(joints.gradient * self.root, right)
-        return free - self.inverse * joints.pull(multipliers), multipliers
+    def rates(self, system: System, w: Array, t: float, out: Array) -> Array:
+        """dw/dt into ``out``; returns the multipliers [m]. Raises Singular where S nearly is."""
+        joints = system.joints.at(w[0])
+        return self._finish(system, w, t, joints, self._factor(joints), out)
 
-    def _solve(self, scaled: Array, right: Array) -> Array:
+    def land(self, system: System, w: Array, t: float, out: Array) -> Array:
+        """Moves w to the joints, in place, and goes on as ``rates``; raises Inconsistent where it finds none near."""
+        goal, start = targets(system.inputs(t)), system.joints.at(w[0])
+        near = self._factor(start)
+
+        def correction(gap: Array) -> Array:
+            return self.inverse * start.pull(self._solve(near, gap))
+
+        w[0] = settle(w[0], lambda q: system.joints.at(q).value - goal.value, correction, self.linear.reach, floor_of(system, w[0]))
+        joints = system.joints.at(w[0])
+        factor = self._factor(joints)
+        w[1] -= self.inverse * joints.pull(self._solve(factor, joints.push(w[1]) - goal.rate))
+        return self._finish(system, w, t, joints, factor, out)
+
+    def _finish(self, system: System, w: Array, t: float, joints: JointsAt, factor: Array, out: Array) -> Array:
+        inputs = system.inputs(t)
+        free = self.inverse * system.force(w[0], w[1], inputs)
+        multipliers = self._solve(factor, joints.push(free) + joints.bias(w[1]) - targets(inputs).acceleration)
+        out[0], out[1] = w[1], free - self.inverse * joints.pull(multipliers)
+        return multipliers
+
+    def _factor(self, joints: JointsAt) -> Array:
+        scaled = joints.gradient * self.root
         buffer = np.bincount(self.slots, scaled[self.left] * scaled[self.right], minlength=self.size).reshape(-1, self.height).T
         if self.band:
             factor, info = lapack.dpbtrf(buffer, lower=1, overwrite_ab=1)
@@ -86,8 +154,11 @@ class NormalEquations:
         else:
             factor, info = lapack.dpotrf(buffer, lower=1, clean=0, overwrite_a=1)
             pivots = factor.diagonal()
-        if info or not (pivots.min() / pivots.max()) ** 2 > NEARLY_SINGULAR:
+        if info or not pivots.min() > NEARLY_SINGULAR * pivots.max():
             raise Singular("joints in a nearly singular position")
+        return factor
+
+    def _solve(self, factor: Array, right: Array) -> Array:
         solve = lapack.dpbtrs if self.band else lapack.dpotrs
         return solve(factor, right[self.order], lower=1)[0][self.place]
 

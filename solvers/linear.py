@@ -35,12 +35,13 @@ class Tangent(NamedTuple):
 class Linear:
     """Patterns, scales and the format of a system's KKT matrices, prepared once.
 
-    ``reach`` [m] turns a residual of an equation into a length: how far its most effective coordinate would have to move.
+    ``reach`` [m] turns a residual of an equation into a length: how far its most effective coordinate would have to move. ``origin`` [n] is
+    a configuration on the joints; who corrects the one given here says so.
     """
 
     def __init__(self, system: System, q: Array):
         n, m = system.n, system.m
-        self.n, self.size = n, n + m
+        self.n, self.size, self.origin = n, n + m, q
         joints = system.joints
         top, left = joints.rows + n, joints.cols
         corner = n + np.arange(m)

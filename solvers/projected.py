@@ -14,11 +14,16 @@ import numpy as np
 
 from .dop853 import ERROR_3, ERROR_5, MATRIX, NODES, WEIGHTS
 from .formats import Singular
-from .index_one import KktEquations, NormalEquations, index_one
+from .index_one import Form, index_one
 from .linear import Linear
 from .protocol import Attempt, State
-from .start import Inconsistent, mass_factor, project_positions, project_velocities
-from .system import Array, System, targets
+from .start import Inconsistent
+from .system import Array, System
+
+FAITHFUL = 0.03
+"""No step is tried for a larger error than this share of the smallest lever: the smallest bodies must still be recognised as such."""
+
+ERRORS = np.array([ERROR_5, ERROR_3])
 
 STRICT = 0.1
 """The local error aimed at, as a share of the tolerance: what steps of this size leave adds up over the long spans they cover."""
@@ -34,10 +39,18 @@ class DormandPrince:
 
 
 class Memory(NamedTuple):
-    """The prepared index-1 equations, and the acceleration at the state."""
+    """The system in the form prepared for it, with the state, its derivative and its multipliers there.
 
-    equations: NormalEquations | KktEquations
-    acceleration: Array
+    ``coarsest`` is the largest tolerance [m] that means something; ``stiffness`` the last step times the fastest rate seen in it, of elastic
+    systems: near 6 stability limits steps, not accuracy.
+    """
+
+    form: Form
+    w: Array
+    rate: Array
+    multipliers: Array
+    coarsest: float
+    stiffness: float = 0.0
 
 
 class ProjectedExplicit:
@@ -45,6 +58,9 @@ class ProjectedExplicit:
 
     name = "projected Dormand-Prince (order 8, explicit)"
     fixed: float | None = None
+
+    def __init__(self) -> None:
+        self._prepared: tuple[Linear, Form] | None = None  # the form of the last system asked for, whose making costs as much as a step
 
     def first_step(self, system: System, state: State, acceleration: Array, span: float, tolerance: float) -> float:
         """A step over which velocities and accelerations move things by a modest part of the length."""
@@ -61,64 +77,76 @@ class ProjectedExplicit:
         """One step of length h; ``tolerance`` is a length: the local error allowed in positions."""
         try:
             memory = self._remembered(system, linear, state)
-            positions, velocities, accelerations, multipliers = self._stages(system, memory, state, h)
-            q, v = state.q + h * (WEIGHTS @ velocities), state.v + h * (WEIGHTS @ accelerations)
-            error = self._error(system, velocities, accelerations, h) / (STRICT * tolerance)
+            states, rates, multipliers = self._stages(system, memory, state.t, h)
+            error = self._error(memory.form, rates, h) / (STRICT * min(tolerance, memory.coarsest))
             if not error <= 1.0:
                 return Attempt(state, error if np.isfinite(error) else 1e8, 8.0, 0.0, 0)
-            after = self._landed(system, linear, memory, state.t + h, q, v)
-            nodes = (state.t + NODES * h, positions, velocities, WEIGHTS * h)
-            return Attempt(after, error, 8.0, 0.0, 12, nodes=nodes, multipliers=multipliers)
+            after = self._landed(system, memory, state.t + h, _end(memory, rates, h))
+            if system.n_stresses:
+                stiffness = h * _fastest(memory.form, after.memory.w - states[-1], after.memory.rate - rates[-1])
+                after = after._replace(memory=after.memory._replace(stiffness=stiffness))
         except (Singular, Inconsistent) as trouble:
             return Attempt(None, np.inf, 1.0, 0.0, 0, f"singular equations ({trouble})")
+        nodes = (state.t + NODES * h, *memory.form.leave(states), WEIGHTS * h)
+        return Attempt(after, error, 8.0, 0.0, 12, nodes=nodes, multipliers=memory.form.all_rows(multipliers))
 
     def _remembered(self, system: System, linear: Linear, state: State) -> Memory:
         if isinstance(state.memory, Memory):
             return state.memory
-        equations = index_one(system, linear)
-        return Memory(equations, equations.solve(state.q, state.v, system.inputs(state.t))[0])
+        if self._prepared is None or self._prepared[0] is not linear:
+            self._prepared = (linear, index_one(system, linear))
+        form = self._prepared[1]
+        w, rate = form.enter(state.q, state.v), np.zeros(form.shape)
+        coarsest = FAITHFUL * float(np.min(system.levers, where=system.levers > 0.0, initial=np.inf))
+        return Memory(form, w, rate, form.rates(system, w, state.t, rate), coarsest)
 
-    def _stages(self, system: System, memory: Memory, state: State, h: float) -> tuple[Array, Array, Array, Array]:
-        """Positions, velocities and accelerations [12, n], and multipliers [12, m], at the stages."""
-        positions, velocities, accelerations = np.empty((3, 12, system.n))
-        multipliers = np.empty((12, system.m))
-        positions[0], velocities[0], accelerations[0], multipliers[0] = state.q, state.v, memory.acceleration, state.multipliers
+    def _stages(self, system: System, memory: Memory, t: float, h: float) -> tuple[Array, Array, Array]:
+        """States and their derivatives [12, 2, ...], and multipliers [12, ...], at the stages."""
+        form = memory.form
+        states, rates = np.empty((2, 12, *form.shape))
+        multipliers = np.empty((12, memory.multipliers.size))
+        states[0], rates[0], multipliers[0] = memory.w, memory.rate, memory.multipliers
+        flat, start, matrix, times = rates.reshape(12, -1), memory.w.ravel(), h * MATRIX, t + NODES * h
         for i in range(1, 12):
-            row = h * MATRIX[i, :i]
-            velocities[i] = v = state.v + row @ accelerations[:i]
-            positions[i] = q = state.q + row @ velocities[:i]
-            accelerations[i], multipliers[i] = memory.equations.solve(q, v, system.inputs(state.t + NODES[i] * h))
-        return positions, velocities, accelerations, multipliers
+            states[i] = (start + matrix[i, :i] @ flat[:i]).reshape(form.shape)
+            multipliers[i] = form.rates(system, states[i], times[i], rates[i])
+        return states, rates, multipliers
 
-    def _error(self, system: System, velocities: Array, accelerations: Array, h: float) -> float:
+    def _error(self, form: Form, rates: Array, h: float) -> float:
         """The estimate of Hairer, Norsett and Wanner, II.10: the embedded orders 5 and 3 together, in positions and velocities times h."""
-        levers = h * system.levers
-
-        def size(weights: Array) -> float:
-            return max(float(np.max(np.abs(weights @ velocities) * levers)), h * float(np.max(np.abs(weights @ accelerations) * levers)))
-
-        fifth, third = size(ERROR_5), size(ERROR_3)
+        lengths = form.lengths((ERRORS @ rates.reshape(12, -1)).reshape(2, *form.shape))
+        fifth, third = (h * max(position, h * velocity) for position, velocity in lengths.tolist())
         return fifth**2 / np.sqrt(fifth**2 + 0.01 * third**2) if fifth > 0.0 else 0.0
 
-    def _landed(self, system: System, linear: Linear, memory: Memory, t: float, q: Array, v: Array) -> State:
+    def _landed(self, system: System, memory: Memory, t: float, w: Array) -> State:
         """The state at the end of a step, on the joints."""
-        inputs = system.inputs(t)
-        if system.m:
-            goal = targets(inputs)
-            factor = mass_factor(system, linear, q)
-            q = project_positions(system, linear, q, goal.value, factor=factor, sweeps=8)
-            v = project_velocities(system, factor, q, v, goal.rate)
-        acceleration, multipliers = memory.equations.solve(q, v, inputs)
+        form, rate = memory.form, np.zeros(memory.form.shape)
+        multipliers = form.land(system, w, t, rate)
+        q, v = form.leave(w)
         stress = system.stress(system.strains(q), v) if system.n_stresses else np.zeros(0)
-        return State(t, q, v, multipliers, stress, memory._replace(acceleration=acceleration))
+        return State(t, q, v, form.all_rows(multipliers), stress, memory._replace(w=w, rate=rate, multipliers=multipliers))
 
     def inside(self, system: System, linear: Linear, before: State, after: State, times: Array) -> tuple[Array, Array]:
         """q, v [n_t, n] at times within a step: the ends of steps of their own from its start, as accurate as the step itself."""
         q, v = np.empty((times.size, system.n)), np.empty((times.size, system.n))
         start = before._replace(memory=self._remembered(system, linear, before))
-        for k, t in enumerate(times):
-            landed = self.step(system, linear, start, float(t - before.t), np.inf).state
-            if landed is None:
-                raise ArithmeticError(f"no interpolation at {t:.9g} s: the joints are in a nearly singular position")
-            q[k], v[k] = landed.q, landed.v
+        try:
+            for k, t in enumerate(times):
+                h = float(t - before.t)
+                rates = self._stages(system, start.memory, before.t, h)[1]
+                q[k], v[k] = self._landed(system, start.memory, float(t), _end(start.memory, rates, h))[1:3]
+        except (Singular, Inconsistent) as trouble:
+            raise ArithmeticError(f"no interpolation at {t:.9g} s: the joints are in a nearly singular position ({trouble})") from None
         return q, v
+
+
+def _end(memory: Memory, rates: Array, h: float) -> Array:
+    """The end of a step, before it is moved to the joints."""
+    return memory.w + (h * WEIGHTS @ rates.reshape(12, -1)).reshape(memory.w.shape)
+
+
+def _fastest(form: Form, change: Array, of_rate: Array) -> float:
+    """The rate [1/s] of what oscillates or decays fastest, from two neighbouring states: the change of acceleration over those of position
+    (oscillations) and velocity (dampers). Hairer and Wanner (1996), IV.2."""
+    (position, velocity), (_, acceleration) = form.lengths(change).tolist(), form.lengths(of_rate).tolist()
+    return max(np.sqrt(acceleration / position) if position > 0.0 else 0.0, acceleration / velocity if velocity > 0.0 else 0.0)

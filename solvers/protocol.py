@@ -12,7 +12,10 @@ from .system import Array, System
 
 
 class State(NamedTuple):
-    """Where a run is: time, q [n], v [n], multipliers [m], stresses [n_stresses], and what the integrator remembers of the last step."""
+    """Where a run is: time, q [n], v [n], multipliers [m], stresses [n_stresses], and what the integrator remembers of the last step.
+
+    ``method``: of an integrator that has several, the number of the one that took the step.
+    """
 
     t: float
     q: Array
@@ -20,6 +23,7 @@ class State(NamedTuple):
     multipliers: Array
     stress: Array
     memory: Any = None
+    method: int = 0
 
 
 class Attempt(NamedTuple):

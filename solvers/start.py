@@ -9,6 +9,7 @@ Driven equations are gamma(q) = c(t): projections take the values of c and c' th
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -52,7 +53,7 @@ def project_positions(
 
     Raises Inconsistent where it does not converge, unless a residual of at most the length ``allowed`` was reached on the way.
     """
-    floor = max(CONSISTENT * system.length, 4e-16 * float(np.max(np.abs(q), initial=0.0)))
+    floor = floor_of(system, q)
     best, nearest, fresh, effort = np.inf, q, factor is None, np.zeros(system.m)
     for _ in range(sweeps):
         joints = system.joints.at(q)
@@ -76,6 +77,27 @@ def project_positions(
         return nearest
     stuck = [int(row) for row in np.flatnonzero((residual > 0.1 * worst) | (effort > 0.1 * np.max(effort, initial=0.0)))]
     raise Inconsistent(Defect(f"positions cannot satisfy them together (a distance of {worst:.6g} remains)", stuck, []))
+
+
+def settle(x: Array, gap: Callable[[Array], Array], correction: Callable[[Array], Array], reach: Array, floor: float, *, sweeps: int = 8) -> Array:
+    """x with gap(x) = 0 to the length ``floor``, from nearby: x - correction(gap) again and again. Raises Inconsistent."""
+    best = np.inf
+    for _ in range(sweeps):
+        distance = gap(x)
+        worst = float(np.max(np.abs(distance) * reach, initial=0.0))
+        if worst <= floor or (worst <= 100.0 * floor and worst >= best):
+            return x
+        if not np.isfinite(worst):
+            break
+        best = min(best, worst)
+        x = x - correction(distance)
+    rows = [int(row) for row in np.flatnonzero(np.abs(distance) * reach > 0.1 * worst)]
+    raise Inconsistent(Defect(f"positions cannot satisfy them together (a distance of {worst:.6g} remains)", rows, []))
+
+
+def floor_of(system: System, q: Array) -> float:
+    """The residual of equations, as a length, that rounding leaves."""
+    return max(CONSISTENT * system.length, 4e-16 * float(np.max(np.abs(q), initial=0.0)))
 
 
 def project_velocities(system: System, factor: Factor, q: Array, v: Array, target: Array = STILL.rate, *, sweeps: int = 8) -> Array:

@@ -46,8 +46,8 @@ def targets(inputs: Any) -> Targets:
 class JointsAt(Protocol):
     """The equations at configurations [...]: ``value`` is gamma, ``bias`` v' d2(gamma)/dq2 v."""
 
-    gradient: Array
-
+    @property
+    def gradient(self) -> Array: ...
     @property
     def value(self) -> Array: ...
     def pull(self, multipliers: Array) -> Array: ...
@@ -57,14 +57,21 @@ class JointsAt(Protocol):
 
 
 class Joints(Protocol):
-    """The equations gamma(q) = c(t) [m]; ``linear`` where G is constant and nothing is driven: g = 0 then implies G v = 0."""
+    """The equations gamma(q) = c(t) [m].
+
+    ``linear``: G is constant and nothing is driven: g = 0 then implies G v = 0. ``quadratic``: all rows are, at most; ``constant_rows``
+    [m] those whose part of G is constant and that nothing drives.
+    """
 
     m: int
     rows: Index
     cols: Index
     linear: bool
+    quadratic: bool
     to_rows: Callable[[Array], Array]
 
+    @property
+    def constant_rows(self) -> NDArray[np.bool_]: ...
     def at(self, q: Array) -> JointsAt: ...
 
 
@@ -79,7 +86,10 @@ class Strains(Protocol):
 
 
 class System(Protocol):
-    """A mechanical system; see the module's equations."""
+    """A mechanical system; see the module's equations.
+
+    ``affine``: loads are constant in time and linear in q. ``driven``: c depends on time.
+    """
 
     n: int
     m: int
@@ -88,6 +98,8 @@ class System(Protocol):
     levers: Array
     modulus: Array
     viscosity: Array | None
+    affine: bool
+    driven: bool
     joints: Any
     mass_rows: Index
     mass_cols: Index
@@ -101,6 +113,7 @@ class System(Protocol):
     def inputs(self, t: Any) -> Any: ...
     def strains(self, q: Array) -> Any: ...
     def load(self, q: Array, inputs: Any) -> Array: ...
+    def force(self, q: Array, v: Array, inputs: Any) -> Array: ...
     def stress(self, strains: Any, v: Array) -> Array: ...
     def stiffness(self, q: Array, v: Array, inputs: Any, stress: Array, multipliers: Array) -> Array: ...
     def damping(self, q: Array) -> Array: ...

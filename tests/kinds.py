@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import mbd
+from mbd.derivations import laws
 
 from . import symbolic
 from .symbolic import Term, gauss, hermite
@@ -169,7 +170,7 @@ def _elements(item: Any) -> Any:
     c = item.description
     tau, ea, ei = float(c.damping), float(c.E * c.A), float(c.E * c.I)
     for e, length in enumerate(item.lengths):
-        yield [*item.rows[e], *item.rows[e + 1]], length, (tau, ea, ei)
+        yield [*item.rows[e], *item.rows[e + 1]], length, (ea, ei, tau)
 
 
 def _derivatives(rows: Sequence[int], shapes: Sequence[Any], d: int, n: int) -> list[list[Any]]:
@@ -185,17 +186,17 @@ def cable_terms(item: Any, q0: np.ndarray) -> list[Term]:
     """The start shape is the rest shape; one term for each Gauss point."""
     d, n, terms = item.rest.shape[-1], len(q0), []
     with symbolic.mpmath.workdps(symbolic.DIGITS):
-        for rows, length, (tau, ea, ei) in _elements(item):
+        for rows, length, numbers in _elements(item):
             for xi, weight in gauss(POINTS):
                 matrices = [_derivatives(rows, hermite(k, xi * length, length), d, n) for k in (1, 2)]
                 if d == 3:
-                    terms.append(Term(symbolic.spatial_cable, matrices[0] + matrices[1], [0] * 6, (tau, ea, ei, weight * length)))
+                    terms.append(Term(laws.continuum(3), matrices[0] + matrices[1], [0] * 6, (*numbers, weight * length, 1, 0)))
                     continue
                 q = symbolic.mpmath.matrix(q0.tolist())
                 x, y = (symbolic.mpmath.matrix(m) * q for m in matrices)
                 rest = symbolic.mpmath.sqrt(x[0] ** 2 + x[1] ** 2)
                 kappa = (x[0] * y[1] - x[1] * y[0]) / rest**3
-                terms.append(Term(symbolic.planar_cable, matrices[0] + matrices[1], [0] * 4, (tau, ea, ei, weight * length * rest, rest, kappa)))
+                terms.append(Term(laws.continuum(2), matrices[0] + matrices[1], [0] * 4, (*numbers, weight * length * rest, rest, kappa)))
     return terms
 
 
@@ -203,13 +204,13 @@ def local_frame_terms(item: Any, q0: np.ndarray) -> list[Term]:
     terms = []
     for rows, length, numbers in _elements(item):
         parts = [_derivatives(rows, shapes, 2, len(q0)) for shapes in ((-1, 0, 1, 0), (0, 1, 0, 0), (0, 0, 0, 1))]
-        terms.append(Term(symbolic.local_frame, parts[0] + parts[1] + parts[2], [0] * 6, (*numbers, length)))
+        terms.append(Term(laws.chord_frame(), parts[0] + parts[1] + parts[2], [0] * 6, (*numbers, length)))
     return terms
 
 
-def _relaxation(spring: Any) -> tuple[float, float]:
-    """(damping / stiffness, stiffness)."""
-    return float(spring.damping) / float(spring.stiffness), float(spring.stiffness)
+def _gains(spring: Any) -> tuple[float, float]:
+    """(stiffness, damping)."""
+    return float(spring.stiffness), float(spring.damping)
 
 
 def _apart(item: Any, q0: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -221,18 +222,18 @@ def spring_terms(item: Any, q0: np.ndarray) -> list[Term]:
     matrix, constant = _apart(item, q0)
     length = item.description.length
     rest = np.linalg.norm(matrix @ q0 + constant) if length is None else float(length)
-    law = symbolic.planar_spring if len(matrix) == 2 else symbolic.spatial_spring
-    return [Term(law, matrix.tolist(), constant.tolist(), (*_relaxation(item.description), rest))]
+    return [Term(laws.stretch(len(matrix)), matrix.tolist(), constant.tolist(), (*_gains(item.description), rest))]
 
 
 def offset_terms(item: Any, q0: np.ndarray) -> list[Term]:
-    return [Term(symbolic.linear, [row.tolist()], [c], (*_relaxation(item.description), 0)) for row, c in zip(*_apart(item, q0))]
+    matrix, constant = _apart(item, q0)
+    return [Term(laws.offset(len(matrix)), matrix.tolist(), constant.tolist(), _gains(item.description))]
 
 
 def torsion_terms(item: Any, q0: np.ndarray) -> list[Term]:
     row = np.zeros((1, len(q0)))
     row[0, item.turn] = 1.0
-    return [Term(symbolic.linear, row.tolist(), [0], (*_relaxation(item.description), float(item.description.angle)))]
+    return [Term(laws.twist(), row.tolist(), [0], (*_gains(item.description), float(item.description.angle)))]
 
 
 ELASTIC = [

@@ -1,12 +1,6 @@
-"""Reference values by sympy and mpmath, from the published formulas; nothing here imports the library.
+"""Reference values by sympy and mpmath: the laws of ``mbd.derivations`` over maps that the tests make from descriptions themselves.
 
-An elastic item is a sum of terms. A term is a list of strains eps(w) with a constant matrix C, W = 1/2 eps' C eps, over local
-variables w = A q + c; C may contain parameters. Damping (Kelvin-Voigt, relaxation time tau) is R = tau/2 eps_t' C eps_t with
-eps_t = (d eps/dw) w_t. Then
-
-    force     F = dW/dw + dR/dw_t,      stiffness K = dF/dw,      damping D = dF/dw_t,
-
-all differentiated by sympy and evaluated with 30 digits, so that a difference to the library is the library's.
+An elastic item is a sum of terms, a law at local variables w = A q + c with numbers for its parameters, evaluated with 30 digits.
 """
 
 from __future__ import annotations
@@ -22,37 +16,13 @@ from sympy.integrals.quadrature import gauss_legendre
 DIGITS = 30
 
 
-class Law(NamedTuple):
-    """Strains of local variables w, their matrix C, and the parameters in both; ``tau`` is always the first parameter."""
-
-    w: tuple[sp.Symbol, ...]
-    strains: tuple[sp.Expr, ...]
-    moduli: Any
-    parameters: tuple[sp.Symbol, ...]
-
-
 class Term(NamedTuple):
-    """A law at w = matrix q + constant with numbers for its parameters (tau first)."""
+    """A law at w = matrix q + constant with numbers for its parameters."""
 
     law: Any
     matrix: Any
     constant: Any
     numbers: tuple
-
-
-@cache
-def compiled(make_law: Any) -> Any:
-    """(w, w_t, parameters) -> W, F, K, D by sympy, from the function that makes a law."""
-    law = make_law()
-    tau = sp.Symbol("tau")
-    rates = sp.symbols(f"rate:{len(law.w)}")
-    eps, c = sp.Matrix(law.strains), sp.Matrix(law.moduli)
-    eps_t = eps.jacobian(law.w) * sp.Matrix(rates)
-    energy = (eps.T * c * eps)[0] / 2
-    loss = tau * (eps_t.T * c * eps_t)[0] / 2
-    force = sp.Matrix([sp.diff(energy, x) + sp.diff(loss, y) for x, y in zip(law.w, rates)])
-    stiffness, damping = force.jacobian(law.w), force.jacobian(rates)
-    return sp.lambdify([*law.w, *rates, tau, *law.parameters], [energy, force, stiffness, damping], modules="mpmath", cse=True)
 
 
 def evaluate(terms: list[Term], q: np.ndarray, v: np.ndarray) -> tuple[Any, Any, Any, Any]:
@@ -64,8 +34,8 @@ def evaluate(terms: list[Term], q: np.ndarray, v: np.ndarray) -> tuple[Any, Any,
         for term in terms:
             a = mpmath.matrix(term.matrix)
             w, rates = a * qs + mpmath.matrix(term.constant), a * vs
-            energy, force, stiffness, damping = compiled(term.law)(*w, *rates, *term.numbers)
-            parts = energy, a.T * force, a.T * stiffness * a, a.T * damping * a
+            energy, vectors, matrices = term.law.at(w, rates, [mpmath.mpf(x) for x in term.numbers])
+            parts = energy, a.T * vectors["force"], a.T * matrices["stiffness"] * a, a.T * matrices["damping"] * a
             total = [x + y for x, y in zip(total, parts)]
         return float(total[0]), _floats(total[1])[:, 0], _floats(total[2]), _floats(total[3])
 
@@ -95,61 +65,3 @@ def _shapes(derivative: int) -> Any:
 def hermite(derivative: int, x: Any, length: Any) -> list[Any]:
     """d^k N/dx^k [4]."""
     return [mpmath.mpf(value) for value in _shapes(derivative)(mpmath.mpf(x), mpmath.mpf(length))]
-
-
-def planar_cable() -> Law:
-    """U = 1/2 int EA (|r'|/|r0'| - 1)^2 + EI (kappa - kappa0)^2 ds at a Gauss point, kappa = (r' x r'')/(|r'|^2 |r0'|); ``ds`` with its weight."""
-    x1, x2, y1, y2 = w = sp.symbols("x1 x2 y1 y2")
-    ea, ei, ds, rest, kappa0 = parameters = sp.symbols("EA EI ds rest kappa0")
-    square = x1**2 + x2**2
-    strains = (sp.sqrt(square) / rest - 1, (x1 * y2 - x2 * y1) / (square * rest) - kappa0)
-    return Law(w, strains, sp.diag(ea * ds, ei * ds), parameters)
-
-
-def spatial_cable() -> Law:
-    """The same in space: three components of curvature, straight at rest."""
-    w = sp.symbols("x1:4 y1:4")
-    ea, ei, ds = parameters = sp.symbols("EA EI ds")
-    x, y = sp.Matrix(w[:3]), sp.Matrix(w[3:])
-    strains = (sp.sqrt(x.dot(x)) - 1, *(x.cross(y) / x.dot(x)))
-    return Law(w, strains, sp.diag(ea, ei, ei, ei) * ds, parameters)
-
-
-def local_frame() -> Law:
-    """Eq. 18 of Escalona et al. (1998): U = 1/2 int EA u_l'^2 + EI u_t''^2 dx, integrated exactly; w = (chord d, slopes s0, s1).
-
-    Seen from the chord, r - r_O = N2 s0 + N3 d + N4 s1, so u_l' = N2' (i.s0 - 1) + N3' (|d| - l) + N4' (i.s1 - 1), because
-    N2' + l N3' + N4' = 1, and u_t'' = N2'' j.s0 + N4'' j.s1.
-    """
-    w = sp.symbols("d1 d2 s1:3 t1:3")
-    ea, ei, length, x = sp.symbols("EA EI l x", positive=True)
-    d, s0, s1 = (sp.Matrix(w[k : k + 2]) for k in (0, 2, 4))
-    size = sp.sqrt(d.dot(d))
-    i, j = d / size, sp.Matrix([-d[1], d[0]]) / size
-    _, n2, n3, n4 = _hermite(x, length)
-    along, across = sp.Matrix([n3, n2, n4]), sp.Matrix([n2, n4])
-    stretch = (along.diff(x) * along.diff(x).T).applyfunc(lambda f: sp.integrate(sp.expand(f), (x, 0, length)))
-    bend = (across.diff(x, 2) * across.diff(x, 2).T).applyfunc(lambda f: sp.integrate(sp.expand(f), (x, 0, length)))
-    strains = (size - length, i.dot(s0) - 1, i.dot(s1) - 1, j.dot(s0), j.dot(s1))
-    return Law(w, strains, sp.diag(ea * stretch, ei * bend), (ea, ei, length))
-
-
-def _spring(d: int) -> Law:
-    p = sp.symbols(f"p1:{d + 1}")
-    k, length = sp.symbols("k length")
-    return Law(p, (sp.sqrt(sum(x**2 for x in p)) - length,), sp.Matrix([[k]]), (k, length))
-
-
-def planar_spring() -> Law:
-    """1/2 k (|p| - length)^2."""
-    return _spring(2)
-
-
-def spatial_spring() -> Law:
-    return _spring(3)
-
-
-def linear() -> Law:
-    """1/2 k (w - rest)^2 of one number: a component of a spring of zero length, a turn."""
-    w, k, rest = sp.symbols("w k rest")
-    return Law((w,), (w - rest,), sp.Matrix([[k]]), (k, rest))

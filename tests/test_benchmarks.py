@@ -22,7 +22,7 @@ from benchmarks.fronts import Front, fronts  # noqa: E402
 from benchmarks.work import Ladder, Row, Rung, Sample, sweep  # noqa: E402
 
 NAMES = [case.name for case in scenes.CASES]
-QUICK = ["soft pendulum", "steel pendulum", "four-bar 1", "squeezer", "slider-crank", "chain 10", "spaghetti", "heavy top"]
+QUICK = ["soft pendulum", "steel pendulum", "four-bar 1", "squeezer", "slider-crank", "flexible slider-crank", "chain 10", "spaghetti", "heavy top"]
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +55,8 @@ def test_every_scene_builds_and_has_a_reference(name):
 def test_mbd_comes_to_the_reference(name):
     """The references were found elsewhere, or at far tighter tolerances by two methods."""
     case = scenes.BY_NAME[name]
-    assert distance(case, "mbd", mbd_runs.run(case, None, 1e-8)) < 1e-5
+    rtol = 1e-7 if name == "flexible slider-crank" else 1e-8  # its vibrations are followed one by one, in thousands of steps
+    assert distance(case, "mbd", mbd_runs.run(case, None, rtol)) < 1e-5
 
 
 @pytest.mark.parametrize("name", [name for name in QUICK if name != "steel pendulum"])
@@ -143,8 +144,7 @@ def test_a_sweep_takes_turns_stops_at_the_budget_and_repeats_what_matters():
 def test_a_run_prints_and_writes_pages(tmp_path, monkeypatch):
     """With one method of mbd, and without the peer."""
     monkeypatch.setattr(command, "peers", lambda case: [])
-    monkeypatch.setattr(mbd_runs, "RTOLS", (1e-3, 1e-8))
-    monkeypatch.setattr(mbd_runs, "ladders", lambda case: [Ladder("mbd", "default", mbd_runs._tolerances(case, None))])
+    monkeypatch.setattr(mbd_runs, "ladders", lambda case: [Ladder("mbd", "default", mbd_runs.tolerances(case, None, (1e-3, 1e-8)))])
     case = scenes.BY_NAME["slider-crank"]
     rows, best, excluded = command.measure(case, 2, 5.0)
     assert [r.rung.rtol for r in rows] == [1e-3, 1e-8]
@@ -153,7 +153,7 @@ def test_a_run_prints_and_writes_pages(tmp_path, monkeypatch):
     assert excluded == []
     text = report.page(case, rows, best, excluded, 1.0, SimpleNamespace(repeats=2, budget=5.0), report.machine())
     assert text.count("| default ") >= 2
-    report.write(tmp_path, case, text, report.record(case, best, excluded, "here"))
+    report.write(tmp_path, case, text, report.record(case, rows, best, excluded, "here"))
     assert (tmp_path / "slider_crank.md").read_text() == text
     assert "slider-crank" in (tmp_path / "README.md").read_text()
 

@@ -155,8 +155,7 @@ def test_elements_and_joints_know_numpy_and_the_vocabulary_of_mbd():
         if folder not in ("elements", "joints"):
             return True
         outside = SYSTEM | {f"mbd.{name.removesuffix('.py')}" for name in EDGE}
-        sound = layer(module) in ("numpy", "mbd", folder) and not any(module == name or module.startswith(name + ".") for name in outside)
-        return sound or (module.startswith("sympy") and file == "derivation.py")
+        return layer(module) in ("numpy", "mbd", folder) and not any(module == name or module.startswith(name + ".") for name in outside)
 
     assert not offences(rule)
 
@@ -175,13 +174,29 @@ def test_mbd_imports_its_parts_only_when_asked():
 
 @pytest.mark.parametrize(
     ("package", "files"),
-    [("networkx", {"topology.py"}), ("sympy", {"derivation.py"}), ("matplotlib", {"plot.py"}), ("tqdm", {"run.py"}), ("scipy", None)],
+    [("networkx", {"topology.py"}), ("sympy", set()), ("matplotlib", {"plot.py"}), ("tqdm", {"run.py"}), ("scipy", None)],
 )
 def test_heavy_packages_have_one_door_each(package, files):
     def rule(folder: str, file: str, module: str, inside: bool) -> bool:
         return module.split(".")[0] != package or (folder == "solvers" if files is None else file in files)
 
     assert not offences(rule)
+
+
+def test_derivations_are_imported_by_commands_that_run_and_by_name_only():
+    """Sympy's only door is the folder of derivations, and no module of the library leads there."""
+    inner = [(path, "mbd.commands") for path in FOLDERS["mbd"].glob("commands/*.py")]
+    inner += [(path, "mbd" if folder == "mbd" else f"mbd.{folder}") for folder, home in FOLDERS.items() for path in home.glob("*.py")]
+    found = [(path.name, inside) for path, package in inner for module, inside in imports(path, package) if module.startswith("mbd.derivations")]
+    assert found and all(found_inside for _, found_inside in found) and {name for name, _ in found} == {"derive.py"}
+    outside = {"mpmath", "numpy", "sympy", "mbd"}
+    assert all(module.split(".")[0] in outside | sys.stdlib_module_names for path in FOLDERS["mbd"].glob("derivations/*.py")
+               for module, _ in imports(path, "mbd.derivations"))  # fmt: skip
+
+
+def test_usage_is_told_without_sympy(tmp_path):
+    code = "import mbd.__main__\ntry: mbd.__main__.main(['--help'])\nexcept SystemExit: pass"
+    assert not loaded(code, tmp_path) & set(HEAVY)
 
 
 def test_sparse_matrices_are_imported_where_the_format_was_chosen():

@@ -63,7 +63,7 @@ def test_values_between_steps(name: str, stages: int) -> None:
     between = np.concatenate([result.t[:-1] + f * np.diff(result.t) for f in (0.2, 0.5, 0.85)])
     inside = np.abs(result.position(marker, t=between) - tight.position(marker, t=between)).max()
     assert inside <= 10.0 * max(at_steps, 1e-11)
-    q, _ = result.trajectory.at(scene.build(), between)
+    q, _ = result.trajectory.at(between)
     assert np.abs(scene.build().joints.at(q).value * result.trajectory.linear.reach).max() < 1e-12 * scene.build().length
 
 

@@ -86,7 +86,7 @@ def test_values_between_steps(stages):
     at_steps = np.abs(result.position(point) - tight.position(point, t=result.t)).max()
     inside = np.abs(result.position(point, t=between) - tight.position(point, t=between)).max()
     assert inside <= 3.0 * max(at_steps, 1e-10)
-    q, v = result.trajectory.at(system, between)
+    q, v = result.trajectory.at(between)
     assert np.abs(system.joints.at(q).value).max() < 1e-12 and np.abs(system.joints.at(q).push(v)).max() < 1e-12
     assert result.audit.position_drift < 1e-12 and result.audit.velocity_drift < 1e-12
 

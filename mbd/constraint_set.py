@@ -3,9 +3,11 @@ and coordinates that are functions of others."""
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .affine import Array
 from .constraint import Quadratic
@@ -20,7 +22,7 @@ from .turn import Turn
 class Joints:
     """All equations of a scene, gamma(q) = c(t): the quadratic rows, then the turning angles, points that slide along cables, relations.
 
-    ``linear``: G is constant and nothing is driven, so that g = 0 at all times implies G v = 0.
+    ``linear``: G is constant and nothing is driven, so that g = 0 at all times implies G v = 0. ``quadratic``: no row is of another kind.
     """
 
     def __init__(self, model: Model):
@@ -44,10 +46,19 @@ class Joints:
         self.curvature_cols = np.concatenate([kernel.curvature_cols for kernel in self.kernels] or empty)
         self.drives = model.drives  # quadratic rows come first: their numbers are those of the model's equations
         self.linear = all(kernel.linear for kernel in self.kernels) and not self.drives
+        self.quadratic = all(isinstance(kernel, Quadratic) for kernel in self.kernels)
         self.to_rows, self.to_cols = Scatter(self.rows, self.m), Scatter(self.cols, model.n)
 
     def at(self, q: Array) -> JointsAt:
         return JointsAt(self, q)
+
+    @property
+    def constant_rows(self) -> NDArray[np.bool_]:
+        """[m]: the rows whose gradient is constant and that nothing drives."""
+        found = np.concatenate([kernel.constant_rows for kernel in self.kernels] or [np.zeros(0, bool)])
+        for rows, _ in self.drives:
+            found[rows] = False
+        return found
 
     def targets(self, times: Array) -> Targets:
         """c, c' and c'' at times [...]."""
@@ -60,7 +71,11 @@ class JointsAt:
     def __init__(self, joints: Joints, q: Array):
         self.joints, self.batch = joints, q.shape[:-1]
         self.states = [kernel.prepare(q) for kernel in joints.kernels]
-        self.gradient = self._join([kernel.gradient(z) for kernel, z in zip(joints.kernels, self.states)])
+
+    @cached_property
+    def gradient(self) -> Array:
+        """Values of G [..., nnz] on the pattern (rows, cols); [nnz] where they are constant."""
+        return self._join([kernel.gradient(z) for kernel, z in zip(self.joints.kernels, self.states)])
 
     def _join(self, parts: list[Array]) -> Array:
         if len(parts) == 1:
