@@ -16,7 +16,7 @@ from mbd.scene import Scene
 from . import rows
 from .law import Term, Totals
 from .laws import TERMS
-from .load_laws import LOADS
+from .load_laws import INPUTS, LOADS
 from .masses import MASSES
 from .numbers import evaluated
 from .record import Part, Record, Underived
@@ -45,8 +45,14 @@ def load_terms(part: Part, t: float | None = TIME) -> list[Term]:
     terms = [LOADS[part.kernel](part.key, part.numbers, n) for n in range(part.size)]
     if t is None:
         return terms
-    samples = [np.ravel(signal.sample(np.asarray(t))) for signal in part.numbers["signals"]]
-    return [term._replace(numbers=tuple(sample[: len(term.law.inputs)].tolist())) for term, sample in zip(terms, samples)]
+    return [term._replace(numbers=tuple(inputs_at(part, n, t)[: len(term.law.inputs)])) for n, term in enumerate(terms)]
+
+
+def inputs_at(part: Part, n: int, t: float) -> list[float]:
+    """The inputs of the n-th item of a part."""
+    if part.kernel in INPUTS:
+        return INPUTS[part.kernel](part.numbers, n, np.asarray(t))
+    return np.ravel(part.numbers["signals"][n].sample(np.asarray(t))).tolist()
 
 
 def elastic(scene: Scene, kernel: Any, rng: np.random.Generator) -> Pairs:

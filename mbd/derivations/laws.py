@@ -15,6 +15,7 @@ import sympy as sp
 from mbd.elements.continuum import Continuum
 from mbd.elements.local_frame import LocalFrame
 from mbd.elements.spring_strains import Offset, Stretch, Twist
+from mbd.elements.stop import StopDampers
 
 from .law import Law, Term, stacked
 from .numbers import gauss, number
@@ -111,6 +112,38 @@ def twist() -> Law:
     return Law([phi], [phi - rest], [[k]], [[c]], [k, c, rest])
 
 
+@cache
+def penetration(lower: bool, upper: bool) -> tuple[sp.Symbol, list[sp.Symbol], sp.Expr]:
+    """s, (s_0, s_1, w) and p = g(s - s_1) - g(s_0 - s) of the limits that there are, g(x) = w (u^3 - u^4/2), u = x/w, then x - w/2."""
+    s, low, high = sp.symbols("s s_0 s_1", real=True)
+    width = sp.Symbol("w", positive=True)
+
+    def onset(x: sp.Expr) -> sp.Expr:
+        u = x / width
+        return sp.Piecewise((0, x < 0), (width * (u**3 - u**4 / 2), x < width), (x - width / 2, True))
+
+    return s, [low, high, width], (onset(s - high) if upper else sp.Integer(0)) - (onset(low - s) if lower else sp.Integer(0))
+
+
+@cache
+def stop_damper(lower: bool, upper: bool) -> Law:
+    """p itself, without stiffness."""
+    s, parameters, p = penetration(lower, upper)
+    c = sp.Symbol("c", positive=True)
+    return Law([s], [p], [[0]], [[c]], [c, *parameters])
+
+
+def limits(numbers: dict[str, Any], n: int) -> tuple[tuple[bool, bool], tuple[Any, ...]]:
+    """Which limits a stop has, and (s_0, s_1, w), 0 for a limit that it has not."""
+    given = [bool(np.isfinite(x)) for x in numbers["limits"][n]]
+    return (given[0], given[1]), (*(x if has else 0 for x, has in zip(numbers["limits"][n], given)), numbers["width"][n])
+
+
+def _stop_damper(key: tuple, numbers: dict[str, Any], n: int) -> list[Term]:
+    which, parameters = limits(numbers, n)
+    return [Term(stop_damper(*which), np.array([numbers["at"][n]]), sp.eye(1), sp.zeros(1, 1), (numbers["damping"][n], *parameters))]
+
+
 def _places(nodes: Any, functions: list[list[Any]], d: int) -> sp.Matrix:
     """The matrix [len(functions) d, 4 d] that weighs the nodal vectors, for coordinates ordered as ``nodes`` [d, 4]."""
     return sp.Matrix.vstack(*(sp.kronecker_product(sp.eye(d), sp.Matrix([row])) for row in functions))
@@ -166,4 +199,5 @@ TERMS: dict[type, Callable[[tuple, dict[str, Any], int], list[Term]]] = {
     Stretch: _stretch,
     Offset: _offset,
     Twist: _twist,
+    StopDampers: _stop_damper,
 }

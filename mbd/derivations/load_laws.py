@@ -13,11 +13,18 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from mbd.affine import Array
+from mbd.elements.control import Pursuit
 from mbd.elements.force import DeadForces, FollowerForces
+from mbd.elements.force_law import Laws
+from mbd.elements.stop import StopSprings
 from mbd.elements.torque import DeadTorques, FollowerTorques, PlanarTorques, RigidTorques
 from mbd.joints.drives import Couples
 
 from .law import LoadLaw, Term, stacked
+from .laws import limits, penetration
+from .numbers import number
+from .rows import called
 
 
 def _vectors(names: list[str], d: int) -> list[sp.Matrix]:
@@ -111,6 +118,26 @@ def _couple(key: tuple, numbers: dict[str, Any], n: int) -> Term:
     return Term(couple(), np.array([numbers["turns"][n]]), sp.eye(1), sp.zeros(1, 1), ())
 
 
+def _pursuit(key: tuple, numbers: dict[str, Any], n: int) -> Term:
+    """What a controller pulls with: its input is proportional c + derivative c'."""
+    return Term(couple(), np.array([numbers["at"][n]]), sp.eye(1), sp.zeros(1, 1), ())
+
+
+def _stop_spring(key: tuple, numbers: dict[str, Any], n: int) -> Term:
+    """-k p(s)."""
+    which, parameters = limits(numbers, n)
+    s, symbols, p = penetration(*which)
+    force = -number(numbers["stiffness"][n]) * p.subs(dict(zip(symbols, map(number, parameters))))
+    return Term(LoadLaw([s], [], [force]), np.array([numbers["at"][n]]), sp.eye(1), sp.zeros(1, 1), ())
+
+
+def _force_law(key: tuple, numbers: dict[str, Any], n: int) -> Term:
+    """The user's function of t and the measures."""
+    formula, t, w = numbers["formulas"][n], sp.Symbol("t", real=True), sp.symbols(f"s_1:{key[0] + 1}")
+    law = LoadLaw(w, [t], called(formula.item, formula.function, [t, *w]))
+    return Term(law, numbers["at"][n], sp.eye(key[0]), sp.zeros(key[0], 1), ())
+
+
 LOADS: dict[type, Callable[[tuple, dict[str, Any], int], Term]] = {
     DeadForces: _dead_force,
     FollowerForces: _follower_force,
@@ -119,4 +146,14 @@ LOADS: dict[type, Callable[[tuple, dict[str, Any], int], Term]] = {
     DeadTorques: _spatial(False),
     FollowerTorques: _spatial(True),
     Couples: _couple,
+    Pursuit: _pursuit,
+    StopSprings: _stop_spring,
+    Laws: _force_law,
 }
+
+INPUTS: dict[type, Callable[[dict[str, Any], int, Array], list[float]]] = {
+    Pursuit: lambda numbers, n, t: [float(np.sum(p * c.value(t) + d * c.rate(t))) for (p, d), c in [(numbers["gains"][n], numbers["targets"][n])]],
+    StopSprings: lambda numbers, n, t: [],
+    Laws: lambda numbers, n, t: [float(t)],
+}
+"""Inputs at a time, of kernels whose inputs are not the samples of their signals."""

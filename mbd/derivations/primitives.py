@@ -15,7 +15,7 @@ import sympy as sp
 from mbd import rows
 from mbd.affine import Affine
 from mbd.constraint import Quadratic
-from mbd.turn import Turn
+from mbd.turn import Turn, Turning
 
 from .kernels import symbols
 from .rows import Differentiated, evaluate
@@ -98,7 +98,7 @@ PRIMITIVES = [
               _quadratic(lambda a, b, s, *_: rows.parallel(a, b, s))),
     Primitive("A coordinate s is the angle from axis b to axis a: |a| |b| sin(s - angle)",
               lambda a, b, s: [sp.sin(s) * a.dot(b) + sp.cos(s) * _across(a, b)], "mbd.turn.Turn",
-              lambda a, b, last, n: Turn([(a, b, last)], n), (2,)),
+              lambda a, b, last, n: Turn([Turning(a, b, b.scaled(1j), last)], n), (2,)),
 ]  # fmt: skip
 
 

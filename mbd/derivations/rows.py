@@ -1,4 +1,4 @@
-"""Equations of joints as expressions: quadratic rows, and turning angles."""
+"""Equations of joints as expressions: quadratic rows, turning angles, points on cables, and what users' functions relate."""
 
 from __future__ import annotations
 
@@ -11,8 +11,12 @@ import sympy as sp
 
 from mbd.affine import Affine, Array, Scalar
 from mbd.model import Model
+from mbd.relation import Relation
 from mbd.rows import Row
+from mbd.track import Track
+from mbd.turn import Turning
 
+from .laws import shapes_at
 from .numbers import DIGITS, floats, number, precise
 from .step import Pairs
 
@@ -31,15 +35,44 @@ def quadratic(row: Row, q: Coordinates) -> sp.Expr:
     return sp.Add(scalar(row.linear, q), *(scalar(x, q) * scalar(y, q) for x, y in row.products))
 
 
-def turn(a: Affine, b: Affine, phi: int, q: Coordinates) -> sp.Expr:
-    """|a| |b| sin(phi - angle from b to a)."""
-    x, y = vector(a, q), vector(b, q)
-    return sp.sin(q[phi]) * x.dot(y) - sp.cos(q[phi]) * (y[0] * x[1] - y[1] * x[0])
+def turn(angle: Turning, q: Coordinates) -> sp.Expr:
+    """|p| |c| sin(phi - angle of p between c, ahead, and s, across)."""
+    moving, ahead, across = (vector(axis, q) for axis in angle[:3])
+    return sp.sin(q[angle.phi]) * moving.dot(ahead) - sp.cos(q[angle.phi]) * moving.dot(across)
+
+
+def on_track(track: Track, q: Coordinates) -> sp.Matrix:
+    """P - r(s), r the cubic Hermite curve of the element where s is."""
+    d, s = track.point.dimension, q[track.place]
+    ends, pieces = np.concatenate(([0.0], np.cumsum(track.lengths))), []
+    for e, length in enumerate(track.lengths):
+        functions = shapes_at(0, (s - number(ends[e])) / number(length), number(length))
+        nodes = [sp.Matrix(q[d * row : d * row + d]) for row in track.rows[e : e + 2].ravel().tolist()]
+        pieces.append(sum((f * node for f, node in zip(functions, nodes)), sp.zeros(d, 1)))
+    limits = [s < number(end) for end in ends[1:-1]] + [True]
+    curve = [sp.Piecewise(*((piece[i], limit) for piece, limit in zip(pieces, limits))) for i in range(d)]
+    return vector(track.point, q) - sp.Matrix(curve)
+
+
+def relation(item: str, related: Relation, q: Coordinates) -> sp.Expr:
+    """s - f(s_1 ... s_k)."""
+    return q[related.output] - called(item, related.formula.function, [q[k] for k in related.inputs])[0]
+
+
+def called(item: str, function: Any, arguments: Sequence[sp.Expr]) -> list[sp.Expr]:
+    """A user's function of symbols; it must be made of operations that symbols understand."""
+    try:
+        return [sp.sympify(x) for x in np.ravel(np.array(function(*arguments), dtype=object))]
+    except (TypeError, AttributeError, sp.SympifyError) as error:
+        expected = "expected one of operators and sympy's functions, to write its equations"
+        raise TypeError(f"{item!r}: the function given for it: {expected}, found one that fails with symbols ({error}); rewrite it") from error
 
 
 def equations(model: Model, q: Coordinates) -> list[sp.Expr]:
     """gamma(q) [m] in the order of the system's equations, without what drives ask for."""
-    return [quadratic(row, q) for *_, row in model.equations] + [turn(*angle, q) for _, angle in model.turns]
+    found = [quadratic(row, q) for *_, row in model.equations] + [turn(angle, q) for _, angle in model.turns]
+    found += [row for _, track in model.tracks for row in on_track(track, q)]
+    return found + [relation(item, related, q) for item, related in model.relations]
 
 
 class Differentiated:

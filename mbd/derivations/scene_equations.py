@@ -17,6 +17,7 @@ from mbd.scene import Scene
 
 from . import kernels
 from .law import LoadLaw, Term, stacked
+from .load_laws import INPUTS
 from .masses import lengths
 from .naming import Naming
 from .numbers import difference, evaluated, number
@@ -111,16 +112,18 @@ class Equations:
             columns, matrix, constant = stacked([point])
             self._add(total, Term(None, columns, matrix, constant, ()), sp.Matrix(symbols))
         for part in record.acting:
-            for term, signal in zip(kernels.load_terms(part, None), part.numbers["signals"]):
-                inputs = dict(zip(term.law.inputs, self._inputs(part.item, term.law, signal)))
+            for n, term in enumerate(kernels.load_terms(part, None)):
+                inputs = dict(zip(term.law.inputs, self._inputs(part, n, term.law)))
                 self._add(total, term, term.law.force.xreplace(dict(zip(term.law.w, term.of(self.q))) | inputs))
         return total
 
-    def _inputs(self, item: str, law: LoadLaw, signal: Any) -> list[sp.Expr]:
-        names = [f"{x.name.replace('_', '')}_{item}" for x in law.inputs]
-        if signal.function is None:
-            return [self._parameter(name, x) for name, x in zip(names, np.ravel(signal.constant))]
-        return [self._function(name, lambda t, k=k: np.ravel(signal.sample(np.asarray(t)))[k]) for k, name in enumerate(names)]
+    def _inputs(self, part: Part, n: int, law: LoadLaw) -> list[sp.Expr]:
+        if law.inputs == [self.t]:
+            return [self.t]
+        names, signals = [f"{x.name.replace('_', '')}_{part.item}" for x in law.inputs], part.numbers["signals"]
+        if part.kernel not in INPUTS and signals[n].function is None:
+            return [self._parameter(name, x) for name, x in zip(names, np.ravel(signals[n].constant))]
+        return [self._function(name, lambda t, k=k: kernels.inputs_at(part, n, t)[k]) for k, name in enumerate(names)]
 
     def _function(self, name: str, of_time: Any) -> sp.Expr:
         function = sp.Function(name.replace(" ", "_"), real=True)(self.t)
@@ -146,7 +149,7 @@ class Equations:
         t, values = kernels.TIME, dict(self.values)
         stand_ins = {function: sp.Dummy() for function in self._functions}
         values |= {stand_ins[function]: float(of_time(t)) for function, of_time in self._functions.items()}
-        values |= dict(zip(self.q, q)) | dict(zip(self.v, v))
+        values |= dict(zip(self.q, q)) | dict(zip(self.v, v)) | {self.t: t}
         inputs, gradient = system.inputs(t), np.zeros((system.m, system.n))
         joints = system.joints.at(q)
         np.add.at(gradient, (system.joints.rows, system.joints.cols), joints.gradient)

@@ -137,7 +137,8 @@ def _equations(case: Specimen, kind: type) -> Iterator[Step]:
     name = f"{kind.__module__}.{kind.__name__}.rows"
     right = sp.Matrix([g[k] for k in rows])
     yield Step(title, "g", right, "here, from its own rows", name, partial(kernels.closures, case.scene), naming.written)
-    if "body-body" in case.what and not record.drives:
+    sides = [side for item in case.scene.items if item.name in own for side in getattr(item.description, "sides", ())]
+    if "body-body" in case.what and not record.drives and not any(side.fixed for side in sides):
         title = f"{case.what}: still closed when both sides move together"
         yield Step(title, "g", sp.zeros(len(rows), 1), "here", name, partial(_carried, case.scene))
 
