@@ -20,7 +20,7 @@ from scipy.linalg import lapack
 from .formats import Singular
 from .linear import Linear
 from .ordering import half_bandwidth, reverse_cuthill_mckee
-from .reduced import NEARLY_SINGULAR, reduced
+from .reduced import independent, reduced
 from .start import accelerations, floor_of, mass_factor, project_positions, project_velocities, settle
 from .system import Array, Index, JointsAt, System, targets
 
@@ -157,13 +157,14 @@ class Normal(Whole):
         pairs = scaled[self.left] * scaled[self.right]
         values = np.bincount(self.slots, pairs if weights is None else pairs * weights, minlength=self.size)
         buffer = values.reshape(-1, self.height).T
+        sizes = (buffer[0] if self.band else buffer.diagonal()).tolist()
         if self.band:
             factor, info = lapack.dpbtrf(buffer, lower=1, overwrite_ab=1)
             pivots = factor[0]
         else:
             factor, info = lapack.dpotrf(buffer, lower=1, clean=0, overwrite_a=1)
             pivots = factor.diagonal()
-        if info or not pivots.min() > NEARLY_SINGULAR * pivots.max():
+        if info or not independent(pivots.tolist(), sizes):
             raise Singular("joints in a nearly singular position")
         return factor
 

@@ -21,8 +21,8 @@ from .system import Array, Index, System, targets
 LARGEST = 2**15
 """Entries of H up to which dense products are faster than sparse ones."""
 
-NEARLY_SINGULAR = 3e-5
-"""Ratio of the smallest to the largest pivot of the factors of G G' below which multipliers are no longer trusted."""
+NEARLY_SINGULAR = 1e-4
+"""Share of an equation's slope, squared, that those before it leave: below it multipliers are no longer trusted."""
 
 
 def reduced(system: System, linear: Linear) -> Reduced | None:
@@ -167,11 +167,17 @@ def _factor(gradient: Array) -> Array:
     """Cholesky factor of G G'; raises Singular."""
     if not len(gradient):
         return np.zeros((0, 0))
-    factor, info = lapack.dpotrf(gradient @ gradient.T, lower=1, clean=0, overwrite_a=1)
-    pivots = factor.diagonal().tolist()
-    if info or not min(pivots) > NEARLY_SINGULAR * max(pivots):
+    square = gradient @ gradient.T
+    sizes = square.diagonal().tolist()
+    factor, info = lapack.dpotrf(square, lower=1, clean=0, overwrite_a=1)
+    if info or not independent(factor.diagonal().tolist(), sizes):
         raise Singular("joints in a nearly singular position")
     return factor
+
+
+def independent(pivots: list[float], sizes: list[float]) -> bool:
+    """Whether no equation nearly follows from those before it: pivots of the Cholesky factor of a matrix with this diagonal."""
+    return all(pivot * pivot > NEARLY_SINGULAR * size for pivot, size in zip(pivots, sizes))
 
 
 def _solve(factor: Array, right: Array) -> Array:
