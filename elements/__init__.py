@@ -4,10 +4,24 @@ if __name__ != "mbd.elements":
     raise ImportError(f"import mbd.elements, not {__name__}: loaded twice, every class would exist twice")
 
 from .ancf_cable import AncfCable
+from .corotational import CorotationalBeam
+from .floating_frame import FloatingFrameBeam
 from .force import Force
+from .geometrically_exact import GeometricallyExactBeam
 from .particle import Particle
 from .rigid import RigidBody
 from .spring import Spring, TorsionSpring
 from .torque import Torque
 
-__all__ = ["AncfCable", "Force", "Particle", "RigidBody", "Spring", "Torque", "TorsionSpring"]
+__all__ = [
+    "AncfCable",
+    "CorotationalBeam",
+    "FloatingFrameBeam",
+    "Force",
+    "GeometricallyExactBeam",
+    "Particle",
+    "RigidBody",
+    "Spring",
+    "Torque",
+    "TorsionSpring",
+]

@@ -21,7 +21,18 @@ if not (_here / "elements").is_dir():
 if TYPE_CHECKING:
     from .archive import load
     from .assembly import assemble
-    from .elements import AncfCable, Force, Particle, RigidBody, Spring, Torque, TorsionSpring
+    from .elements import (
+        AncfCable,
+        CorotationalBeam,
+        FloatingFrameBeam,
+        Force,
+        GeometricallyExactBeam,
+        Particle,
+        RigidBody,
+        Spring,
+        Torque,
+        TorsionSpring,
+    )
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
     from .joints import Ball, Clamp, Distance, Motor, Pin, PointOnLine, Prescribed, Slider
@@ -36,7 +47,18 @@ if TYPE_CHECKING:
     from .target import Motion
 
 _HOMES = {
-    "elements": ("AncfCable", "Force", "Particle", "RigidBody", "Spring", "TorsionSpring", "Torque"),
+    "elements": (
+        "AncfCable",
+        "CorotationalBeam",
+        "FloatingFrameBeam",
+        "Force",
+        "GeometricallyExactBeam",
+        "Particle",
+        "RigidBody",
+        "Spring",
+        "TorsionSpring",
+        "Torque",
+    ),
     "joints": ("Ball", "Clamp", "Distance", "Motor", "Pin", "PointOnLine", "Prescribed", "Slider"),
     "solvers": ("Automatic", "DormandPrince", "Gauss", "GeneralizedAlpha", "Radau"),
     "errors": ("SceneError", "SceneWarning", "SimulationError"),
@@ -60,12 +82,15 @@ __all__ = [
     "Automatic",
     "Ball",
     "Clamp",
+    "CorotationalBeam",
     "Distance",
     "DormandPrince",
     "Event",
+    "FloatingFrameBeam",
     "Force",
     "Gauss",
     "GeneralizedAlpha",
+    "GeometricallyExactBeam",
     "Marker",
     "Motion",
     "Motor",

@@ -134,6 +134,39 @@ def local_frame() -> Law:
     return Law(w, strains, sp.diag(ea * stretch, ei * bend), (ea, ei, length))
 
 
+def _angle(a: Any) -> sp.Expr:
+    """From the x axis: of vectors that are not near the negative one."""
+    return sp.atan2(a[1], a[0])
+
+
+def corotational() -> Law:
+    """U = EA/2l (|c| - l)^2 + EI/2l (4 t1^2 + 4 t1 t2 + 4 t2^2), t_a the angle from the chord c to the director d_a."""
+    w = sp.symbols("c1 c2 a1 a2 b1 b2")
+    ea, ei, length = sp.symbols("EA EI l")
+    chord, first, second = (sp.Matrix(w[k : k + 2]) for k in (0, 2, 4))
+    strains = (sp.sqrt(chord.dot(chord)) - length, _angle(first) - _angle(chord), _angle(second) - _angle(chord))
+    return Law(w, strains, sp.diag(ea, ei * sp.Matrix([[4, 2], [2, 4]])) / length, (ea, ei, length))
+
+
+def geometrically_exact() -> Law:
+    """U = 1/2 (EA e^2 + GA g^2 + EI k^2) dx at a Gauss point with N_a(x): (1 + e, g) = R(theta)' r', theta = N_a theta_a, k = theta'."""
+    w = sp.symbols("r1 r2 a1 a2 b1 b2 c1 c2")
+    numbers = sp.symbols("EA GA EI dx n1:4 m1:4")
+    slope, *directors = (sp.Matrix(w[k : k + 2]) for k in (0, 2, 4, 6))
+    angles = [_angle(d) for d in directors]
+    theta = sum(n * t for n, t in zip(numbers[4:7], angles))
+    along, across = sp.Matrix([sp.cos(theta), sp.sin(theta)]), sp.Matrix([-sp.sin(theta), sp.cos(theta)])
+    strains = (along.dot(slope) - 1, across.dot(slope), sum(m * t for m, t in zip(numbers[7:], angles)))
+    return Law(w, strains, sp.diag(*numbers[:3]) * numbers[3], numbers)
+
+
+def deflection() -> Law:
+    """1/2 k q^2 of a modal coordinate q = (i d) . p."""
+    w = sp.symbols("d1 d2 p1 p2")
+    k = sp.Symbol("k")
+    return Law(w, (w[0] * w[3] - w[1] * w[2],), sp.Matrix([[k]]), (k,))
+
+
 def _spring(d: int) -> Law:
     p = sp.symbols(f"p1:{d + 1}")
     k, length = sp.symbols("k length")
