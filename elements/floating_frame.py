@@ -78,11 +78,11 @@ class FloatingFrameItem(PlacedBeam):
 
     def locate(self, s: float) -> tuple[Affine, tuple[Affine, ...]]:
         deflection, slope = self.modes.shape(s)[:, 0], self.modes.shape(s, 1)[:, 0] / self.length
-        if s == 0.0:
-            return Affine.of(self.frame[:1], [1.0], 2), (Affine.of(self.frame[1:], [1.0], 2),)
-        tangent = Affine.of([self.frame[1], *self.modal], [1.0, *slope], 2)
-        point = Affine.of([*self.frame, *self.modal], [1.0, s * self.length, *deflection], 2)
-        return (point + Affine.of(self.short, -_shortening(s)[:, 0], 2) if self.short.size else point), (tangent,)
+        shortening = -_shortening(s)[: self.short.size, 0]
+        point, tangent = np.concatenate(([1.0, s * self.length], deflection, shortening)), np.concatenate(([0.0, 1.0], slope, 0.0 * shortening))
+        rows = np.concatenate((self.frame, self.modal, self.short))
+        there, turned = (Affine.of(rows[weights != 0.0], weights[weights != 0.0], 2) for weights in (point, tangent))
+        return there, (turned,)
 
     def assemble(self, model: Model) -> None:
         b, modes = self.description, self.modes

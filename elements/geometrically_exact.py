@@ -5,9 +5,9 @@
     U = 1/2 int EA e^2 + GA g^2 + EI k^2 dx,     T = 1/2 int rho A |r_t|^2 + rho I theta_t^2 dx
 
 Simo and Vu-Quoc (1986), J. Appl. Mech. 53, of Reissner's beam (1972). Strains at p Gauss points (no locking); the rotary inertia is
-taken at the nodes by their weights (Lobatto's, which keep the order), so the mass matrix is constant with d_a for coordinate.
-Angles enter as differences within an element, which must stay below half a turn: turns are not counted and nothing is singular.
-At the nodes positions are of order 2 p, and where the moment is constant angles are exact.
+taken at the nodes by their weights (Simpson's, of order 4), so the mass matrix is constant with d_a for coordinate.
+Angles enter as differences within an element, which must stay below half a turn: nothing is singular, and turns need no count.
+Nodes move with order 2 p = 4 in the length of the elements; where the moment is constant angles are exact.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 DEGREE = 2
 NODE_WEIGHT = np.array([1.0, 4.0, 1.0]) / 6.0
-"""Lobatto's weights on [0, 1], those of Simpson's rule."""
+"""Simpson's rule on [0, 1]: Lobatto's for three points."""
 SHEAR = 5.0 / 6.0 / (2.0 * (1.0 + 0.3))
 """GA / EA of a rectangular section, shear factor 5/6 and Poisson's ratio 0.3."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -11,8 +11,28 @@ import mbd
 
 from .kinds import dense
 
+SECTION = {"E": 1e6, "A": 1e-2, "I": 1e-5, "rho": 1000.0}
 
-def equilibria(make: Any, steps: int) -> Iterator[tuple[mbd.State, float]]:
+
+class Cantilever:
+    """Scenes of a beam of 2 m, clamped at its start, with a share of a force [2] and torque at its end; ``item`` is the beam of the last."""
+
+    item: Any
+
+    def __init__(self, name: str, n: int, *, force: Any = (0, 0), torque: float = 0.0, **changes: Any):
+        self.name, self.force, self.torque = name, np.asarray(force, dtype=float), torque
+        self.words = {"start": (0, 0), "end": (2, 0), "n_elements": n, **SECTION, **changes}
+
+    def __call__(self, share: float) -> mbd.Scene:
+        scene = mbd.Scene(gravity=(0, 0))
+        self.item = scene.add(getattr(mbd, self.name)(**self.words))
+        scene.add(mbd.Clamp(self.item.start, scene.ground.at(0, 0), name="clamp"))
+        scene.add(mbd.Torque(self.item.end, share * self.torque))
+        scene.add(mbd.Force(self.item.end, share * self.force))
+        return scene
+
+
+def equilibria(make: Callable[[float], mbd.Scene], steps: int) -> Iterator[tuple[mbd.State, float]]:
     """Equilibria of ``make(load)`` -> scene for loads 1/steps, 2/steps, ..., 1, each from the one before."""
     state: tuple[np.ndarray, np.ndarray] | None = None
     for k in range(1, steps + 1):

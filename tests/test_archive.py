@@ -39,6 +39,9 @@ def planar() -> mbd.Scene:
     scene.add(mbd.Slider(cart.at(), scene.ground.at(5, 0), axis=(1, 0)))
     scene.add(mbd.Prescribed(wheel.at(), (6, 0)))
     scene.add(mbd.Motor(wheel, scene.ground, speed=3.0))
+    for k, kind in enumerate((mbd.CorotationalBeam, mbd.FloatingFrameBeam, mbd.GeometricallyExactBeam)):
+        beam = scene.add(kind((7 + k, 0), (7 + k, -0.5), n_elements=2, damping=1e-3, **CABLE))
+        scene.add(mbd.Pin(beam.start, scene.ground.at(7 + k, 0)))
     return scene
 
 
