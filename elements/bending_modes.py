@@ -1,8 +1,10 @@
-"""Bending modes of a uniform thin beam clamped at xi = 0 and free at xi = 1: of a mesh of cubic elements.
+"""Bending shapes of a uniform thin beam clamped at xi = 0, by a mesh of cubic elements: vibration modes, or those of Craig and Bampton.
 
-    K V = M V diag(b^4) / 4,   V' M V = I / 4        M, K: int w w, int w'' w'' over [0, 1]; the frequency is b^2 sqrt(EI / rho A) / length^2
+    K V = M V diag(k) / m,   V' M V = I / 4 = m I        M, K: int w w, int w'' w'' over [0, 1]; the frequency is 2 sqrt(k EI / rho A) / length^2
 
-With int w^2 = 1/4 the free end deflects by about 1 (of the continuous beam by exactly 1), upwards by choice of sign.
+"cantilever": the modes with a free end, whose bending moment is zero there. "craig_bampton" (1968, AIAA J. 6): the static shapes
+of a displaced and of a turned end, xi^2 and xi^3, and modes with that end clamped too, for an end that carries moments; Ritz's method in their
+space makes them orthogonal. With int w^2 = 1/4 the free end of a mode deflects by about 1, upwards by choice of sign.
 """
 
 from __future__ import annotations
@@ -18,19 +20,27 @@ POINTS = 6
 
 
 class BendingModes:
-    """The lowest modes [m] of a mesh of m elements (half of all; the others are the mesh's own): ``stiffness`` int w''^2, shapes, integrals."""
+    """Shapes [m] of a mesh of m elements (half of what it has; the others are the mesh's own): ``stiffness`` int w''^2 and integrals."""
 
-    def __init__(self, elements: int):
+    def __init__(self, elements: int, kind: str):
         self.elements = elements
         xi, weight = gauss(POINTS)
         self.points = ((np.arange(elements)[:, None] + xi) / elements).ravel(), np.tile(weight / elements, elements)
         self.nodal = np.eye(2 * elements + 2)[:, 2:]  # all shapes that are zero at the clamp, deflection and slope of each node
+        if kind == "craig_bampton":
+            self.nodal = self._ritz(self.nodal[:, :-2], max(elements - 2, 0))[0] if elements > 1 else self.nodal[:, :0]
+            x = np.arange(elements + 1) / elements
+            self.nodal = np.column_stack((*(np.column_stack((x**p, p * x ** (p - 1))).ravel() for p in (2, 3)), self.nodal))
+        self.nodal, self.stiffness = self._ritz(self.nodal, max(elements, 2 * (kind == "craig_bampton")))
+
+    def _ritz(self, shapes: Array, count: int) -> tuple[Array, Array]:
+        """The lowest modes in the space of nodal shapes [2 n + 2, k]: theirs [2 n + 2, count], and int w''^2 [count]."""
+        self.nodal = shapes
         mass, stiffness = (self._products(self.shape(self.points[0], k), np.ones_like(self.points[0])) for k in (0, 2))
-        lower = np.linalg.cholesky(mass)
-        inverse = np.linalg.inv(lower)
+        inverse = np.linalg.inv(np.linalg.cholesky(mass))
         values, vectors = np.linalg.eigh(inverse @ stiffness @ inverse.T)
-        shapes = 0.5 * self.nodal @ inverse.T @ vectors[:, :elements]
-        self.nodal, self.stiffness = shapes * np.sign(shapes[-2]), 0.25 * values[:elements]
+        found = 0.5 * shapes @ inverse.T @ vectors[:, :count]
+        return found * np.where(found[-2] < 0.0, -1.0, 1.0), 0.25 * values[:count]
 
     def shape(self, xi: Array | float, derivative: int = 0) -> Array:
         """d^k w / dxi^k [m, n_xi]."""

@@ -3,10 +3,10 @@
     r(x) = R + d x + sum_k w_k(x) p_k - d u(x)        |d| = 1,  d . p_k = 0:  p_k = q_k (i d),  q_k the modal coordinate
     u(x) = 1/2 int_0^x (sum_k w_k' q_k)^2 dx          shortening by bending: the axial displacement of an unstretched beam
 
-The frame is that of the tangent at the start, the modes are those of a beam clamped there. Usually (Shabana, Dynamics of Multibody
-Systems) q_k and the frame's angle are the coordinates, and the mass matrix depends on q. Turned with the frame, p_k = q_k (i d) are
-absolute: the position is linear in (R, d, p) and the mass matrix constant, as in the component mode synthesis of Pechstein,
-Reischl and Gerstmayr (2013), J. Comput. Nonlinear Dynam. 8. The rows d . p_k = 0 leave the very motion that the usual form has.
+The frame is that of the tangent at the start, the modes are those of a beam clamped there (bending_modes.py). Usually (Shabana, Dynamics
+of Multibody Systems) q_k and the frame's angle are the coordinates, and the mass matrix depends on q. Turned with the frame,
+p_k = q_k (i d) are absolute: the position is linear in (R, d, p) and the mass matrix constant, as in the component mode synthesis of
+Pechstein, Reischl and Gerstmayr (2013), J. Comput. Nonlinear Dynam. 8. The rows d . p_k = 0 leave the motion of the usual form.
 
 Without u the beam has no stiffening by rotation and axial loads. It is quadratic in q; its shape in x is taken as the sum of
 x^3, x^4 and x^5 with u's mean, first moment and end value, three quadratic forms q' K q / 2. Vectors f = d times these are coordinates,
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from mbd.model import Model
     from mbd.scene import Site
 
+MODES = ("craig_bampton", "cantilever")
 SHORTENINGS = ("mean", "moment", "end")
 POWERS = np.array([3, 4, 5])
 """u(x) between the ends: the sum of these powers that has the mean, the first moment and the end value; exact for cubic deflections."""
@@ -45,19 +46,26 @@ class FloatingFrameBeam(StraightBeam):
     """A thin planar beam of small deflections in a floating frame, straight from start to end.
 
     start, end         [2] positions [m]; straight and free of stress between them; the frame is tangent at the start
-    n_elements         number of bending modes, the lowest of a mesh of as many cubic elements that is clamped at the start
+    n_elements         number of bending modes (at least two of Craig and Bampton's), of a mesh of as many cubic elements that is clamped at the start
     E, A, I, rho       Young's modulus [Pa], area [m^2], second moment of area [m^4], density [kg/m^3]; axially the beam is rigid
+    modes              "craig_bampton": those of a clamped end and of its displacement and rotation; "cantilever": those of a free end, which
+                       converge slowly where a clamp or a torque gives that end a bending moment
     stiffening         True: rotation and axial loads stiffen it; False: the plain linear formulation, wrong where it turns or is loaded axially
     damping            Kelvin-Voigt relaxation time [s]: stress = E (strain + damping strain rate)
 
     Markers: ``start``, ``end``, ``at(s)`` with the fraction s of the length. They carry the tangent.
     """
 
+    modes: str = field(default="craig_bampton", kw_only=True)
     stiffening: bool = field(default=True, kw_only=True)
 
     def faults(self, dimension: int) -> list[str]:
-        wrong = not isinstance(self.stiffening, bool)
-        return super().faults(dimension) + ([f"stiffening: expected True or False, found {self.stiffening!r}; choose one"] if wrong else [])
+        found = super().faults(dimension)
+        if self.modes not in MODES:
+            found.append(f"modes: expected one of {', '.join(map(repr, MODES))}, found {self.modes!r}; choose one")
+        if not isinstance(self.stiffening, bool):
+            found.append(f"stiffening: expected True or False, found {self.stiffening!r}; choose one")
+        return found
 
     def place(self, site: Site) -> FloatingFrameItem:
         return FloatingFrameItem(self, site)
@@ -67,9 +75,10 @@ class FloatingFrameItem(PlacedBeam):
     """A floating-frame beam in a scene; rows: origin, axis, modes, then the three vectors of shortening, if any."""
 
     def __init__(self, description: FloatingFrameBeam, site: Site):
-        b, count = description, int(description.n_elements)
-        super().__init__(b, site, count)
-        self.modes = BendingModes(count)
+        b = description
+        super().__init__(b, site, int(b.n_elements))
+        self.modes = BendingModes(int(b.n_elements), b.modes)
+        count = self.modes.stiffness.size
         more = len(SHORTENINGS) * b.stiffening
         values = np.vstack((b.start, b.direction, np.zeros((count + more, 2))))
         labels = ["origin position", "axis", *(f"mode {k + 1}" for k in range(count)), *(f"{what} shortening" for what in SHORTENINGS[:more])]

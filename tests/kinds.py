@@ -207,10 +207,10 @@ def local_frame_terms(item: Any, q0: np.ndarray) -> list[Term]:
     return terms
 
 
-def _beam(name: str) -> Callable[[Any, int, float], Any]:
+def _beam(name: str, **words: str) -> Callable[[Any, int, float], Any]:
     def add(scene: Any, k: int, damping: float) -> Any:
         start = np.array([0.5 * k, 1.0])
-        return scene.add(getattr(mbd, name)(start, start + (1.3, 0.4 - k), n_elements=2, name=f"item {k}", **_numbers(k, damping)))
+        return scene.add(getattr(mbd, name)(start, start + (1.3, 0.4 - k), n_elements=2, name=f"item {k}", **words, **_numbers(k, damping)))
 
     return add
 
@@ -292,7 +292,7 @@ ELASTIC = [
     Elastic("local frame cable", 2, _straight(2, "local_frame"), local_frame_terms),
     Elastic("corotational beam", 2, _beam("CorotationalBeam"), corotational_terms),
     Elastic("geometrically exact beam", 2, _beam("GeometricallyExactBeam"), geometrically_exact_terms),
-    Elastic("floating frame beam", 2, _beam("FloatingFrameBeam"), floating_frame_terms),
+    Elastic("floating frame beam", 2, _beam("FloatingFrameBeam", modes="cantilever"), floating_frame_terms),
     Elastic("planar spring", 2, _spring(2, ("body", "span"), None), spring_terms),
     Elastic("planar spring, stretched", 2, _spring(2, ("particle", "body"), 0.4), spring_terms, stress_free=False),
     Elastic("planar spring to the ground", 2, _spring(2, ("node", "ground"), None), spring_terms, free=False),
