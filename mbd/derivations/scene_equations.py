@@ -102,7 +102,8 @@ class Equations:
                 self.values |= {symbol: number(x) for symbol, x in zip(named[field], values)}
             else:
                 letter = "tau" if cable and field == "damping" else LETTERS.get(field, field)
-                named[field] = [self._parameter(f"{letter}_{part.item}", x) for x in values]
+                numbered = [letter] * len(values) if np.ptp(values) == 0.0 else [f"{letter}{k + 1}" for k in range(len(values))]
+                named[field] = [self._parameter(f"{name}_{part.item}", x) for name, x in zip(numbered, values)]
         return named | {"stored": part.numbers}
 
     def _applied(self, record: Record) -> sp.Matrix:

@@ -35,7 +35,13 @@ PARTS: dict[str, tuple[str, Callable[[], list[Step]], type | None]] = {
 }
 """Subjects that are no kinds: the kind whose specimens hold their kernel, their steps, the kernel."""
 
-SOURCES: dict[str, str] = {"LocalFrame": f"{PAPER}, eqs. 18, 25", "Continuum": continuum.SOURCE}
+SOURCES: dict[str, str] = {
+    "LocalFrame": f"{PAPER}, eqs. 18, 25",
+    "Continuum": continuum.SOURCE,
+    "Corotational": "Belytschko and Hsieh (1973)",
+    "GeometricallyExact": "Simo and Vu-Quoc (1986)",
+    "Deflection": "Pechstein, Reischl and Gerstmayr (2013)",
+}
 """Of the laws of kernels; those without a line follow from the formula in the step itself."""
 
 
@@ -134,7 +140,7 @@ def _equations(case: Specimen, kind: type) -> Iterator[Step]:
     naming = Naming(case.scene)
     g = kernels.equations(record, system, naming.q)
     title = f"{case.what}: {', '.join(system.joints.labels[k][1] for k in rows)}"
-    name = f"{kind.__module__}.{kind.__name__}.rows"
+    name = f"{kind.__module__}.{kind.__name__}.{'rows' if hasattr(kind, 'rows') else 'place'}"
     right = sp.Matrix([g[k] for k in rows])
     yield Step(title, "g", right, "here, from its own rows", name, partial(kernels.closures, case.scene), naming.written)
     sides = [side for item in case.scene.items if item.name in own for side in getattr(item.description, "sides", ())]
