@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from mbd.scene import Site
 
 MODES = ("craig_bampton", "cantilever")
+STEEP = 0.3
+"""Slopes beyond this are worth a warning: what the second order neglects is a tenth."""
 SHORTENINGS = ("mean", "moment", "end")
 POWERS = np.array([3, 4, 5])
 """u(x) between the ends: the sum of these powers that has the mean, the first moment and the end value; exact for cubic deflections."""
@@ -92,6 +94,17 @@ class FloatingFrameItem(PlacedBeam):
         rows = np.concatenate((self.frame, self.modal, self.short))
         there, turned = (Affine.of(rows[weights != 0.0], weights[weights != 0.0], 2) for weights in (point, tangent))
         return there, (turned,)
+
+    def doubts(self, q: Array) -> list[str]:
+        """What a run with coordinates q [n_t, n] should not be believed for: deflections that are not small."""
+        table = q[:, : 2 * (max(self.modal.max(), self.frame.max()) + 1)].reshape(len(q), -1, 2)
+        axis = table[:, self.frame[1], None]
+        across = axis[..., 0] * table[:, self.modal, 1] - axis[..., 1] * table[:, self.modal, 0]
+        slope = float(np.max(np.abs(across @ self.modes.shape(np.linspace(0.0, 1.0, 4 * len(self.lengths) + 1), 1)), initial=0.0)) / self.length
+        if slope <= STEEP:
+            return []
+        advice = "do not trust this run; use a GeometricallyExactBeam or an AncfCable, or several beams clamped to each other"
+        return [f"beam {self.name!r} bends to a slope of {slope:.3g} in its floating frame, made for small ones: {advice}"]
 
     def assemble(self, model: Model) -> None:
         b, modes = self.description, self.modes

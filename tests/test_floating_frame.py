@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -174,3 +175,14 @@ def test_figures_9_and_10_by_the_usual_equations(stiffening: bool) -> None:
     found = swing(10, 1.0, times, 1e-6 if stiffening else 1e-10, stiffening)
     assert found[0] == pytest.approx(angle, abs=5e-4 if stiffening else 1e-8)
     assert found[1] == pytest.approx(offset, abs=1.5e-4 if stiffening else 1e-8)
+
+
+@pytest.mark.parametrize(("E", "warned"), [(1e9, False), (1e7, True)])
+def test_deflections_beyond_its_means_are_told(E: float, warned: bool) -> None:
+    scene = mbd.Scene()
+    rod = scene.add(mbd.FloatingFrameBeam((0, 0), (0.4, 0), n_elements=3, E=E, A=1.8e-3, I=1.215e-8, rho=5540, name="rod"))
+    scene.add(mbd.Pin(rod.start, scene.ground.at(0, 0)))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        mbd.simulate(scene, 0.3, rtol=1e-4)
+    assert [str(w.message).startswith("beam 'rod' bends to a slope of ") for w in caught] == [True] * warned
