@@ -23,8 +23,12 @@ from mbd.derivations.masses import MASSES
 from mbd.derivations.record import Record, Underived
 from mbd.derivations.specimens import Specimen, kinds, specimens
 from mbd.derivations.step import EXACT
+from mbd.elements import floating_frame
 from mbd.elements.continuum import ContinuumAt
+from mbd.elements.corotational import CorotationalAt
+from mbd.elements.floating_frame import DeflectionAt
 from mbd.elements.force import FollowerForces
+from mbd.elements.geometrically_exact import GeometricallyExactAt
 from mbd.elements.local_frame import LocalFrameAt
 from mbd.elements.rigid import RigidBody
 from mbd.elements.spring_strains import StretchAt
@@ -191,6 +195,9 @@ WRONG: list[tuple[Any, str, Callable[[Any], Any], str, str, str]] = [
     (LocalFrameAt, "_curve", negated, "local_frame", "mbd.elements.local_frame.LocalFrameAt.stiffness", "dQ/de"),
     (ContinuumAt, "_curve", negated, "continuum", "mbd.elements.continuum.Continuum", "stiffness"),
     (ContinuumAt, "swirl_times", negated, "continuum", "mbd.elements.continuum.Continuum", "swirl_times"),
+    (CorotationalAt, "curve", negated, "corotational_beam", "mbd.elements.corotational.Corotational", "swirl_times"),
+    (GeometricallyExactAt, "curve", negated, "geometrically_exact_beam", "mbd.elements.geometrically_exact.GeometricallyExact", "swirl_times"),
+    (DeflectionAt, "curve", negated, "floating_frame_beam", "mbd.elements.floating_frame.Deflection", "swirl_times"),
     (StretchAt, "_across", negated, "spring", "mbd.elements.spring_strains.Stretch", "stiffness"),
     (RigidBody, "director_mass", negated, "rigid_body", "mbd.elements.rigid.RigidBody.director_mass", "M"),
     (FollowerForces, "gradient", negated, "force", "mbd.elements.force.FollowerForces", "gradient"),
@@ -215,6 +222,13 @@ def test_a_wrong_sign_is_found_by_the_step_about_it(owner, name, wrong, word, ke
     assert not failures(word, kernel)
     monkeypatch.setattr(owner, name, wrong(getattr(owner, name)))
     assert quantity in failures(word, kernel)
+
+
+def test_a_wrong_shortening_is_found_in_the_mass_of_a_floating_frame(monkeypatch) -> None:
+    subjects.steps.cache_clear()
+    monkeypatch.setattr("mbd.elements.floating_frame._shortening", negated(floating_frame._shortening))
+    assert len(failures("floating_frame_beam", "mbd.system.System.mass")) == 2  # not without stiffening
+    subjects.steps.cache_clear()
 
 
 @pytest.mark.parametrize(("table", "gravity"), [("WEIGHT", "consistent"), ("WEIGHT_LUMPED", "lumped")])

@@ -66,8 +66,18 @@ def everything() -> mbd.Scene:
     return scene
 
 
+def beams() -> mbd.Scene:
+    """One of each formulation with unit directors, hung up backwards; modes whose stiffnesses differ."""
+    scene = mbd.Scene()
+    for k, kind in enumerate((mbd.CorotationalBeam, mbd.GeometricallyExactBeam, mbd.FloatingFrameBeam)):
+        beam = scene.add(kind((0, k), (-0.4, k + 0.1), n_elements=1 if k == 1 else 2, E=10.0, A=0.2, I=0.03, rho=2.0, damping=0.1, name=f"beam{k}"))
+        scene.add(mbd.Pin(beam.start, scene.ground.at(0, k), name=f"pivot{k}"))
+    return scene
+
+
 SCENES = {
     "everything": everything,
+    "beams": beams,
     "double pendulum": lambda: double_pendulum()[0],
     "simple pendulum": lambda: simple_pendulum()[0],
     "heavy top": lambda: heavy_top()[0],

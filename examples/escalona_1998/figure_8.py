@@ -15,12 +15,12 @@ import numpy as np
 from lines import REFERENCE, Line, series
 
 import mbd
-from mbd.joints.placed import PlacedJoint, Pose, points
+from mbd.joints.placed import Joint, Pose, points
 from mbd.rows import Row, coincide
 
 
 @dataclass(frozen=True, eq=False)
-class FixedNode:
+class FixedNode(Joint):
     """Point and slope vector coincide with a marker's point and axis."""
 
     a: mbd.Marker
@@ -28,19 +28,6 @@ class FixedNode:
     name: str | None = None
 
     kind = "fixed node"
-
-    @property
-    def markers(self) -> tuple[mbd.Marker, ...]:
-        return (self.a, self.b)
-
-    def faults(self, dimension: int) -> list[str]:
-        return []
-
-    def place(self, site: object) -> PlacedJoint:
-        return PlacedJoint(self, site, [])
-
-    def misfits(self, pose: Pose) -> list[str]:
-        return []
 
     def rows(self, a: mbd.Marker, b: mbd.Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
         return points(a, b) + [(f"slope {axis}", row) for axis, row in zip("xy", coincide(a.axes[0], b.axes[0]))]
