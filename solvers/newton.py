@@ -27,6 +27,10 @@ STEADY = 0.1
 """The contraction that Newton's iteration with each stage's slopes is trusted to go on with: it starts faster."""
 
 
+COUPLED_UP_TO = 50_000
+"""Unknowns of all stages together up to which Newton's method with each stage's slopes costs less than the shorter steps it saves."""
+
+
 class Outcome(NamedTuple):
     """How an iteration ended: its stages (where it failed: the best), the derivatives, the worst contraction, its iterations, the residual of
     g [s, m], and what went wrong, or ""."""
@@ -53,14 +57,14 @@ def iterate(equations: StageEquations, linear: Linear, x: Stages, middle: Middle
     What is left at the goal does not show in the error estimate."""
     system, floor = equations.system, ROUNDING * equations.system.length
     goal = Goal(max(tolerance / equations.table.noise, floor), max(STAGNANT * tolerance, 10.0 * floor), iterations)
-    spent = 0
+    spent, coupled = 0, not system.joints.linear and equations.table.stages * linear.size <= COUPLED_UP_TO
     try:
         found = _simplified(equations, linear, x, middle, inputs, goal)
-        if not found.failure or system.joints.linear:
+        if not found.failure or not coupled:
             return found
         x, middle, spent = found.x, middle_of(equations, found.x), found.solves
     except Singular:
-        if system.joints.linear:
+        if not coupled:
             raise
     found = _full(equations, x, Coupled(equations, linear, x, middle, inputs), goal)
     return found._replace(solves=spent + found.solves)

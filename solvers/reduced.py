@@ -24,6 +24,9 @@ LARGEST = 2**15
 NEARLY_SINGULAR = 1e-4
 """Share of an equation's slope, squared, that those before it leave: below it multipliers are no longer trusted."""
 
+MANY = 100
+"""Equations above which that share is the smaller, the more they are."""
+
 
 def reduced(system: System, linear: Linear) -> Reduced | None:
     """The reduced form of a system; None where it has none or would be too large."""
@@ -176,8 +179,11 @@ def _factor(gradient: Array) -> Array:
 
 
 def independent(pivots: list[float], sizes: list[float]) -> bool:
-    """Whether no equation nearly follows from those before it: pivots of the Cholesky factor of a matrix with this diagonal."""
-    return all(pivot * pivot > NEARLY_SINGULAR * size for pivot, size in zip(pivots, sizes))
+    """Whether no equation nearly follows from those before it: pivots of the Cholesky factor of a matrix with this diagonal.
+
+    In a long chain the last equation keeps no more than one part in its number."""
+    least = NEARLY_SINGULAR * min(1.0, MANY / len(pivots))
+    return all(pivot * pivot > least * size for pivot, size in zip(pivots, sizes))
 
 
 def _solve(factor: Array, right: Array) -> Array:
