@@ -28,7 +28,12 @@ from mbd.elements.continuum import ContinuumAt
 from mbd.elements.corotational import CorotationalAt
 from mbd.elements.floating_frame import DeflectionAt
 from mbd.elements.force import FollowerForces
+<<<<<<< HEAD
 from mbd.elements.geometrically_exact import GeometricallyExactAt
+=======
+from mbd.elements.force_law import RateLaws
+from mbd.elements.friction import Frictions
+>>>>>>> 4b561e4e4658f204c0b9644567cb3cbf01f8c69b
 from mbd.elements.local_frame import LocalFrameAt
 from mbd.elements.rigid import RigidBody
 from mbd.elements.spring_strains import StretchAt
@@ -37,6 +42,7 @@ from mbd.joints.drives import Couples
 from mbd.marker import Marker
 from mbd.model import Model
 from mbd.rows import coincide, dot
+from mbd.slip import Slip
 from mbd.turn import Turn
 
 
@@ -184,6 +190,10 @@ def negated(method: Callable[..., Any]) -> Callable[..., Any]:
     return lambda *args, **kwargs: -method(*args, **kwargs)
 
 
+def nonzero(method: Callable[..., Any]) -> Callable[..., Any]:
+    return lambda *args, **kwargs: method(*args, **kwargs) + 1e-9
+
+
 def without_frame(self: LocalFrameAt, stress: np.ndarray) -> np.ndarray:
     """Eq. 25 without the derivatives of the frame."""
     on_u, on_w = self._nodal(stress)
@@ -204,6 +214,15 @@ WRONG: list[tuple[Any, str, Callable[[Any], Any], str, str, str]] = [
     (DeadTorques, "gradient", negated, "torque", "mbd.elements.torque.DeadTorques", "gradient"),
     (PlanarTorques, "force", negated, "torque", "mbd.elements.torque.PlanarTorques", "force"),
     (Couples, "force", negated, "motor", "mbd.joints.drives.Couples", "force"),
+    (Frictions, "force", negated, "friction", "mbd.elements.friction.Frictions", "force"),
+    (Frictions, "rate_gradient", negated, "friction", "mbd.elements.friction.Frictions", "rate gradient"),
+    (RateLaws, "gradient", negated, "force_law", "mbd.elements.force_law.RateLaws", "gradient"),
+    (RateLaws, "rate_gradient", negated, "force_law", "mbd.elements.force_law.RateLaws", "rate gradient"),
+    (Slip, "value", nonzero, "knife_edge", "mbd.joints.knife_edge.KnifeEdge.slips", "Slip.value"),
+    (Slip, "gradient", negated, "knife_edge", "mbd.joints.knife_edge.KnifeEdge.slips", "Slip.gradient"),
+    (Slip, "swirl", negated, "knife_edge", "mbd.joints.knife_edge.KnifeEdge.slips", "Slip.swirl"),
+    (Slip, "bias", negated, "wheel", "mbd.joints.knife_edge.Wheel.slips", "Slip.bias"),
+    (Slip, "curvature", negated, "wheel", "mbd.joints.knife_edge.Wheel.slips", "Slip.curvature"),
     (Turn, "bias", negated, "rows", "mbd.turn.Turn", "bias"),
     (Quadratic, "bias", negated, "pin", "mbd.joints.pairs.Pin.rows", "Quadratic.bias"),
     (Quadratic, "curvature", negated, "rows", "mbd.rows.dot", "curvature"),
@@ -251,4 +270,17 @@ def test_a_joint_whose_rows_are_wrong_does_not_stay_closed(monkeypatch, capsys) 
     monkeypatch.setattr("mbd.joints.pairs.points", lambda a, b: [(axis, row) for axis, row in zip("xyz", coincide(a.point, b.point.scaled(-1.0)))])
     assert main(["derive", "ball", "--check"]) == 1
     assert "wrong: mbd.joints.pairs.Ball.rows: closure" in capsys.readouterr().err
+    subjects.steps.cache_clear()
+
+
+def test_the_curvature_of_a_nonholonomic_row_is_not_symmetric_and_a_transposed_one_is_found(monkeypatch) -> None:
+    compiled = Slip._compile_curvature
+
+    def transposed(self: Slip) -> None:
+        compiled(self)
+        self.curvature_rows, self.curvature_cols = self.curvature_cols, self.curvature_rows
+
+    subjects.steps.cache_clear()
+    monkeypatch.setattr(Slip, "_compile_curvature", transposed)
+    assert failures("wheel", "mbd.joints.knife_edge.Wheel.slips") == ["Slip.curvature"]
     subjects.steps.cache_clear()
