@@ -28,12 +28,9 @@ from mbd.elements.continuum import ContinuumAt
 from mbd.elements.corotational import CorotationalAt
 from mbd.elements.floating_frame import DeflectionAt
 from mbd.elements.force import FollowerForces
-<<<<<<< HEAD
-from mbd.elements.geometrically_exact import GeometricallyExactAt
-=======
 from mbd.elements.force_law import RateLaws
 from mbd.elements.friction import Frictions
->>>>>>> 4b561e4e4658f204c0b9644567cb3cbf01f8c69b
+from mbd.elements.geometrically_exact import GeometricallyExactAt
 from mbd.elements.local_frame import LocalFrameAt
 from mbd.elements.rigid import RigidBody
 from mbd.elements.spring_strains import StretchAt

@@ -110,11 +110,8 @@ def beams() -> mbd.Scene:
 
 SCENES = {
     "everything": everything,
-<<<<<<< HEAD
     "beams": beams,
-=======
     "vehicle": vehicle,
->>>>>>> 4b561e4e4658f204c0b9644567cb3cbf01f8c69b
     "double pendulum": lambda: double_pendulum()[0],
     "simple pendulum": lambda: simple_pendulum()[0],
     "heavy top": lambda: heavy_top()[0],

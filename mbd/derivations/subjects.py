@@ -140,12 +140,9 @@ def _equations(case: Specimen, kind: type) -> Iterator[Step]:
     naming = Naming(case.scene)
     g = kernels.equations(record, system, naming.q, naming.v)
     title = f"{case.what}: {', '.join(system.joints.labels[k][1] for k in rows)}"
-<<<<<<< HEAD
-    name = f"{kind.__module__}.{kind.__name__}.{'rows' if hasattr(kind, 'rows') else 'place'}"
-=======
-    slips = rows[0] in system.joints.slips  # then A(q) v is shown, which is the rate of nothing
-    name = f"{kind.__module__}.{kind.__name__}.{'slips' if slips else 'rows'}"
->>>>>>> 4b561e4e4658f204c0b9644567cb3cbf01f8c69b
+    slips = bool(rows) and rows[0] in system.joints.slips  # then A(q) v is shown, which is the rate of nothing
+    what = "slips" if slips else "rows" if hasattr(kind, "rows") else "place"
+    name = f"{kind.__module__}.{kind.__name__}.{what}"
     right = sp.Matrix([g[k] for k in rows])
     yield Step(title, "A v" if slips else "g", right, "here, from its own rows", name, partial(kernels.closures, case.scene), naming.written)
     sides = [side for item in case.scene.items if item.name in own for side in getattr(item.description, "sides", ())]
