@@ -113,15 +113,17 @@ def test_a_blade_across_the_radius_bends_far_and_stays() -> None:
     assert result.position(cable.end) @ [1, 1j] == pytest.approx(tip * np.exp(1j * speed * times), abs=1e-7)
 
 
-def test_a_particle_on_a_spring_about_the_axis() -> None:
-    """A free orbit, its radius from k (r - L) = m Omega^2 r: radial oscillations omega^2 = k / m + 3 Omega^2, and drifting along the orbit."""
+@pytest.mark.parametrize("damping", [0.0, 3.0])
+def test_a_particle_on_a_spring_about_the_axis(damping: float) -> None:
+    """A free orbit, its radius from k (r - L) = m Omega^2 r: s^2 + c / m s + k / m + 3 Omega^2 = 0 radially, and drifting along the orbit."""
     mass, k, length, speed = 2.0, 50.0, 0.7, 3.0
     scene = mbd.Scene(gravity=(0, 0))
     bead = scene.add(mbd.Particle(mass, (0.6, 0.8)))
-    scene.add(mbd.Spring(bead.at(), scene.ground.at(0, 0), stiffness=k, length=length))
+    scene.add(mbd.Spring(bead.at(), scene.ground.at(0, 0), stiffness=k, damping=damping, length=length))
     found = mbd.modes(scene, spin=speed)
     assert np.hypot(*found.q) == pytest.approx(k * length / (k - mass * speed**2), rel=1e-12)
-    assert found.eigenvalues == pytest.approx([0.0, 1j * np.sqrt(k / mass + 3 * speed**2)], rel=1e-9) and found.rigid == 1
+    radial = np.roots([1, damping / mass, k / mass + 3 * speed**2])
+    assert found.eigenvalues == pytest.approx([0.0, radial[radial.imag > 0][0]], rel=1e-9) and found.rigid == 1
 
 
 def test_conical_pendulum() -> None:
@@ -171,6 +173,24 @@ def test_damping_that_turns_with_the_shaft(speed: float) -> None:
     assert found.unstable == int(speed > 2.0) and len(found.eigenvalues) == 2
     for s in found.eigenvalues:
         assert np.abs(every - s).min() < 1e-9
+
+
+def test_skew_dampers_in_the_rotating_frame() -> None:
+    """x'' + (C + 2 W J) x' + (K - W^2) x = 0 with C of one of two springs that are not perpendicular, as a matrix of numbers."""
+    speed, first, second = 1.0, np.array([1.0, 0.0]), np.array([0.5, np.sqrt(0.75)])
+    scene = mbd.Scene(gravity=(0, 0))
+    ring = scene.add(mbd.RigidBody(mass=1.0, inertia=1.0, position=(0, 0)))
+    bead = scene.add(mbd.Particle(1.0, (0, 0)))
+    for k, c, n in ((4.0, 0.0, first), (9.0, 2.0, second)):
+        scene.add(mbd.Spring(bead.at(), ring.at(*n), stiffness=k, damping=c))
+    scene.add(mbd.Pin(ring.at(0, 0), scene.ground.at(0, 0)))
+    scene.add(mbd.Motor(ring.at(0, 0), scene.ground.at(0, 0), speed=speed))
+    stiffness = 4.0 * np.outer(first, first) + 9.0 * np.outer(second, second) - speed**2 * np.eye(2)
+    damping = 2.0 * np.outer(second, second) + 2.0 * speed * np.array([[0.0, -1.0], [1.0, 0.0]])
+    every = np.linalg.eigvals(np.block([[np.zeros((2, 2)), np.eye(2)], [-stiffness, -damping]]))
+    found = mbd.modes(scene, spin=speed).eigenvalues
+    expected = sorted((s for s in every if s.imag >= 0.0), key=abs)
+    assert found == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_free_hub_turns_with_a_rigid_mode() -> None:
