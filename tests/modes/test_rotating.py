@@ -197,6 +197,10 @@ def test_a_free_hub_turns_with_a_rigid_mode() -> None:
     driven, free = (mbd.modes(blade(2, speed, 6)[0], 3, spin=4.0) for speed in (4.0, None))
     assert (driven.rigid, free.rigid, free.unstable) == (0, 1, 0)
     assert free.frequencies[1] > driven.frequencies[0]  # the hub recoils
+    scene, _ = blade(2, 4.0, 6)
+    turn = scene.add(mbd.Angle(scene["hub"].at(0, 0), scene.ground.at(0, 0)))
+    scene.add(mbd.Friction(turn, force=1.0, speed=0.1))  # overcome by the motor: it turns steadily and changes nothing
+    assert mbd.modes(scene, 3, spin=4.0).frequencies == pytest.approx(driven.frequencies, rel=1e-6)
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
