@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 LARGEST = 600
 """Coordinates up to which modes about a rotation are found: by dense matrices, whose time grows with the cube."""
 
-LATER = (0.0, 1.0, 2.6)
+LATER = (1.0, 2.6)
 """Angles [rad] that the scene is turned by: 2.6 is no multiple of 1, nor is either a fraction of a turn."""
 
 STEADY = 1e-6
@@ -157,10 +157,12 @@ class Rotating:
         inertia = float(np.max(np.abs(self.mass @ self.generator @ self.generator @ self.q) * scale, initial=0.0))
         forces = float(np.max(np.abs(now.gradient.T @ now.multipliers) * scale, initial=0.0))
         allowed = STEADY * max(inertia, forces) + noise * 1e-3 * far
+        if np.max(np.abs(now.left) * scale, initial=0.0) > allowed:
+            self._give_up()
         for angle in LATER:
             then = self._at(angle)
             if np.max(np.abs(then.left) * scale, initial=0.0) > allowed:
-                self._unsteady(then.left, "is not in balance", angle) if angle else self._give_up()
+                self._unsteady(then.left, "is not in balance", angle)
             self._hold(np.max(np.abs(then.gradient @ self.basis / scale.max()), axis=1, initial=0.0), 1.0, "holds a direction that does not turn")
             for name, before, after in (("stiffness", now.stiffness, then.stiffness), ("damping", now.damping, then.damping)):
                 size, change = (np.max(np.abs(x) * both, axis=1, initial=0.0) for x in (before, after - before))
@@ -171,9 +173,11 @@ class Rotating:
 
     def _give_up(self) -> None:
         """Raises SceneError for a scene without a relative equilibrium: by what does not turn, else by what is set in motion most."""
-        now, *later = (self._force(angle) for angle in LATER)
-        for angle, force in zip(LATER[1:], later):
-            if np.max(np.abs(force - now) * self.system.levers) > STEADY * np.max(np.abs(now) * self.system.levers):
+        now, levers = self._force(0.0), self.system.levers
+        size = np.max(np.abs((now, self.mass @ self.generator @ self.generator @ self.q)) * levers)
+        for angle in LATER:
+            force = self._force(angle)
+            if np.max(np.abs(force - now) * levers) > STEADY * size:
                 self._unsteady(force - now, "feels another force", angle)
         item = self.system.owners[self._worst(self._at(0.0).left)][0]
         found = f"none near this position, where {item!r} is set in motion"
@@ -189,7 +193,7 @@ class Rotating:
         return int(np.argmax(np.abs(force) * self.linear.scale[: self.system.n]))
 
     def _unsteady(self, force: Array, what: str, angle: float) -> None:
-        where = f"{self.system.owners[self._worst(force)][0]!r} {what}" + (f" after a turn of {angle:.2g} rad" if angle else "")
+        where = f"{self.system.owners[self._worst(force)][0]!r} {what} after a turn of {angle:.2g} rad"
         advice = "gravity or a load across the axis, a support that does not turn, or a function of time does that; leave it out"
         raise SceneError([f"spin: expected a steady rotation with {self._said}, found that {where}; {advice}"])
 

@@ -16,8 +16,8 @@ from .system import Array, System
 OPEN = 1e-14
 """Pivots below this share of the largest leave their motion open."""
 
-PARTS = (1, 4, 16, 64)
-"""In how many equal parts of the spin squared the centrifugal load is applied, where fewer fail."""
+SHORTEST = 1e-4
+"""Of spin squared: steps of the centrifugal load become shorter where Newton's method fails, longer where it does not; here it is given up."""
 
 CLOSE, SWEEPS = 1e-9, 25
 
@@ -34,21 +34,16 @@ class SteadyProblem(NamedTuple):
 
 
 def steady_state(problem: SteadyProblem, q: Array) -> tuple[Array, float]:
-    """p [n] near q, and its last correction as a share of the scene's length: above CLOSE there was none to be found."""
+    """p [n], reached from q as the spin grows, and the last correction as a share of the scene's length: above CLOSE there was none to be found."""
+    done, step = 0.0, 1.0
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # a diverging iteration is detected
-        for parts in PARTS:
-            p, left = _in_parts(problem, q, parts)
-            if left <= CLOSE:
-                break
-    return p, left
-
-
-def _in_parts(problem: SteadyProblem, q: Array, parts: int) -> tuple[Array, float]:
-    left = np.inf
-    for part in range(1, parts + 1):
-        q, left = _newton(problem, q, np.sqrt(part / parts))
-        if left > CLOSE:
-            break
+        while done < 1.0 and step > SHORTEST:
+            reach = min(done + step, 1.0)
+            p, left = _newton(problem, q, np.sqrt(reach))
+            if left > CLOSE:
+                step *= 0.25
+            else:
+                q, done, step = p, reach, 2.0 * step
     return q, left
 
 

@@ -92,15 +92,38 @@ def test_a_small_disturbance_of_the_rotating_beam() -> None:
     assert np.abs(seen - expected).max() < 1e-3 * np.abs(expected).max()
 
 
-def test_a_particle_on_a_spring_about_the_axis() -> None:
-    """A free orbit, its radius from k (r - L) = m Omega^2 r: radial oscillations omega^2 = k / m + 3 Omega^2, and drifting along the orbit."""
+def test_a_blade_across_the_radius_bends_far_and_stays() -> None:
+    """Clamped at radius 0.3 along the tangent, its tip is thrown out by more than 0.7 of its length: a simulation from there only turns."""
+    speed, out = 12.0, (0.3, 0.0)
+    scene = mbd.Scene(gravity=(0, 0))
+    hub = scene.add(mbd.RigidBody(mass=1.0, inertia=1.0, position=(0, 0)))
+    cable = scene.add(mbd.AncfCable(out, (0.3, 1.0), n_elements=3, E=1e6, A=1.0, I=1e-6, rho=1.0))
+    scene.add(mbd.Clamp(cable.start, hub.at(*out)))
+    scene.add(mbd.Pin(hub.at(0, 0), scene.ground.at(0, 0)))
+    scene.add(mbd.Motor(hub.at(0, 0), scene.ground.at(0, 0), speed=speed))
+    found = mbd.modes(scene, 2, spin=speed)
+    table = scene.build().n_table
+    v = np.zeros_like(found.q)
+    v[:table] = (speed * (found.q[:table].reshape(-1, 2) @ np.array([[0.0, 1.0], [-1.0, 0.0]]))).ravel()
+    start = mbd.assemble(scene, mbd.State(found.q, v)).state
+    times = np.linspace(0.05, 0.3, 4)
+    result = mbd.simulate(scene, 0.3, start=start, rtol=1e-10, t_eval=times)
+    tip = cable.end.point.value(found.q) @ [1, 1j]
+    assert tip.real > 1.0 and found.unstable == 0
+    assert result.position(cable.end) @ [1, 1j] == pytest.approx(tip * np.exp(1j * speed * times), abs=1e-7)
+
+
+@pytest.mark.parametrize("damping", [0.0, 3.0])
+def test_a_particle_on_a_spring_about_the_axis(damping: float) -> None:
+    """A free orbit, its radius from k (r - L) = m Omega^2 r: s^2 + c / m s + k / m + 3 Omega^2 = 0 radially, and drifting along the orbit."""
     mass, k, length, speed = 2.0, 50.0, 0.7, 3.0
     scene = mbd.Scene(gravity=(0, 0))
     bead = scene.add(mbd.Particle(mass, (0.6, 0.8)))
-    scene.add(mbd.Spring(bead.at(), scene.ground.at(0, 0), stiffness=k, length=length))
+    scene.add(mbd.Spring(bead.at(), scene.ground.at(0, 0), stiffness=k, damping=damping, length=length))
     found = mbd.modes(scene, spin=speed)
     assert np.hypot(*found.q) == pytest.approx(k * length / (k - mass * speed**2), rel=1e-12)
-    assert found.eigenvalues == pytest.approx([0.0, 1j * np.sqrt(k / mass + 3 * speed**2)], rel=1e-9) and found.rigid == 1
+    radial = np.roots([1, damping / mass, k / mass + 3 * speed**2])
+    assert found.eigenvalues == pytest.approx([0.0, radial[radial.imag > 0][0]], rel=1e-9) and found.rigid == 1
 
 
 def test_conical_pendulum() -> None:
@@ -152,10 +175,69 @@ def test_damping_that_turns_with_the_shaft(speed: float) -> None:
         assert np.abs(every - s).min() < 1e-9
 
 
+def test_skew_dampers_in_the_rotating_frame() -> None:
+    """x'' + (C + 2 W J) x' + (K - W^2) x = 0 with C of one of two springs that are not perpendicular, as a matrix of numbers."""
+    speed, first, second = 1.0, np.array([1.0, 0.0]), np.array([0.5, np.sqrt(0.75)])
+    scene = mbd.Scene(gravity=(0, 0))
+    ring = scene.add(mbd.RigidBody(mass=1.0, inertia=1.0, position=(0, 0)))
+    bead = scene.add(mbd.Particle(1.0, (0, 0)))
+    for k, c, n in ((4.0, 0.0, first), (9.0, 2.0, second)):
+        scene.add(mbd.Spring(bead.at(), ring.at(*n), stiffness=k, damping=c))
+    scene.add(mbd.Pin(ring.at(0, 0), scene.ground.at(0, 0)))
+    scene.add(mbd.Motor(ring.at(0, 0), scene.ground.at(0, 0), speed=speed))
+    stiffness = 4.0 * np.outer(first, first) + 9.0 * np.outer(second, second) - speed**2 * np.eye(2)
+    damping = 2.0 * np.outer(second, second) + 2.0 * speed * np.array([[0.0, -1.0], [1.0, 0.0]])
+    every = np.linalg.eigvals(np.block([[np.zeros((2, 2)), np.eye(2)], [-stiffness, -damping]]))
+    found = mbd.modes(scene, spin=speed).eigenvalues
+    expected = sorted((s for s in every if s.imag >= 0.0), key=abs)
+    assert found == pytest.approx(expected, rel=1e-9)
+
+
 def test_a_free_hub_turns_with_a_rigid_mode() -> None:
     driven, free = (mbd.modes(blade(2, speed, 6)[0], 3, spin=4.0) for speed in (4.0, None))
     assert (driven.rigid, free.rigid, free.unstable) == (0, 1, 0)
     assert free.frequencies[1] > driven.frequencies[0]  # the hub recoils
+    scene, _ = blade(2, 4.0, 6)
+    turn = scene.add(mbd.Angle(scene["hub"].at(0, 0), scene.ground.at(0, 0)))
+    scene.add(mbd.Friction(turn, force=1.0, speed=0.1))  # overcome by the motor: it turns steadily and changes nothing
+    assert mbd.modes(scene, 3, spin=4.0).frequencies == pytest.approx(driven.frequencies, rel=1e-6)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_free_body_turns_steadily_about_its_extreme_axes_only(axis: int) -> None:
+    """Euler: s^2 = -Omega^2 (I3 - I1)(I3 - I2) / (I1 I2). Seen from the body, drifting in space is a double s = i Omega, across and back."""
+    inertia, speed = np.array([1.0, 2.0, 2.5]), 3.0
+    scene = mbd.Scene(gravity=(0, 0, 0))
+    scene.add(mbd.RigidBody(mass=1.0, inertia=inertia, position=(0, 0, 0)))
+    found = mbd.modes(scene, 7, spin=speed * np.eye(3)[axis])
+    own, others = inertia[axis], np.delete(inertia, axis)
+    nutation = speed * np.sqrt(complex(-np.prod(own - others) / np.prod(others)))
+    assert np.abs(found.eigenvalues - nutation).min() < 1e-9
+    assert found.rigid == 2 and found.unstable == int(axis == 1)
+    assert np.sum(np.abs(found.eigenvalues - 1j * speed) < 1e-5) == 3 and (axis == 1 or not found.eigenvalues.real.any())
+
+
+def test_redundant_bearings_and_a_state_in_motion() -> None:
+    """A body on two spatial pins has as many modes as on one; a spinning state is a start as good as one at rest."""
+
+    def rotor(heights: tuple[float, ...]) -> mbd.Scene:
+        scene = mbd.Scene(gravity=(0, 0, -9.81))
+        hub = scene.add(mbd.RigidBody(mass=1.0, inertia=(1, 1, 1.5), position=(0, 0, 0), angular_velocity=(0, 0, 2.0)))
+        for z in heights:
+            scene.add(mbd.Pin(hub.at(0, 0, z), scene.ground.at(0, 0, z), axis=(0, 0, 1)))
+        bead = scene.add(mbd.Particle(1.0, (1.0, 0, 0), velocity=(0, 2.0, 0)))
+        for point in ((0.2, 0, 0), (0.5, 1, 0), (0.5, -1, 0), (0.5, 0, 1), (0.5, 0, -1)):
+            scene.add(mbd.Spring(bead.at(), hub.at(*point), stiffness=100.0))
+        return scene
+
+    one, two = rotor((0.5,)), rotor((-0.5, 0.5))
+    expected, found = (mbd.modes(scene, spin=(0, 0, 2.0)) for scene in (one, two))
+    assert len(found.eigenvalues) == 4 and found.rigid == 1
+    assert found.eigenvalues == pytest.approx(expected.eigenvalues, rel=1e-9)
+    state = mbd.assemble(one).state
+    assert state.v.any() and mbd.modes(one, spin=(0, 0, 2.0), about=state).eigenvalues == pytest.approx(expected.eigenvalues, rel=1e-9)
+    with pytest.raises(mbd.SceneError, match="give modes the spin= of a steady rotation"):
+        mbd.modes(one, about=state)
 
 
 def refused(scene: mbd.Scene, spin: Any, words: str) -> None:
