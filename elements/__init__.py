@@ -5,13 +5,31 @@ if __name__ != "mbd.elements":
 
 from .ancf_cable import AncfCable
 from .control import PD
+from .corotational import CorotationalBeam
+from .floating_frame import FloatingFrameBeam
 from .force import Force
 from .force_law import ForceLaw
 from .friction import Friction
+from .geometrically_exact import GeometricallyExactBeam
 from .particle import Particle
 from .rigid import RigidBody
 from .spring import Spring, TorsionSpring
 from .stop import Stop
 from .torque import Torque
 
-__all__ = ["PD", "AncfCable", "Force", "ForceLaw", "Friction", "Particle", "RigidBody", "Spring", "Stop", "Torque", "TorsionSpring"]
+__all__ = [
+    "PD",
+    "AncfCable",
+    "CorotationalBeam",
+    "FloatingFrameBeam",
+    "Force",
+    "ForceLaw",
+    "Friction",
+    "GeometricallyExactBeam",
+    "Particle",
+    "RigidBody",
+    "Spring",
+    "Stop",
+    "Torque",
+    "TorsionSpring",
+]

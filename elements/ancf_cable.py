@@ -46,6 +46,8 @@ class AncfCable:
     gravity            "consistent", or "lumped": the weight of an element concentrated at midspan (eq. 28)
 
     Markers: ``start``, ``end``, ``at(s)`` with the fraction s of the total reference arc length. They carry the tangent.
+
+    ``CorotationalBeam``, ``GeometricallyExactBeam`` and ``FloatingFrameBeam`` take the same arguments for a straight planar beam.
     """
 
     start: Any = None

@@ -26,7 +26,22 @@ if TYPE_CHECKING:
     from .derivations.scene_equations import equations
     from .diagnosis import Structure
     from .driven import kinematics
-    from .elements import PD, AncfCable, Force, ForceLaw, Friction, Particle, RigidBody, Spring, Stop, Torque, TorsionSpring
+    from .elements import (
+        PD,
+        AncfCable,
+        CorotationalBeam,
+        FloatingFrameBeam,
+        Force,
+        ForceLaw,
+        Friction,
+        GeometricallyExactBeam,
+        Particle,
+        RigidBody,
+        Spring,
+        Stop,
+        Torque,
+        TorsionSpring,
+    )
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
     from .joints import (
@@ -70,7 +85,22 @@ if TYPE_CHECKING:
     from .vibration import Modes, modes
 
 _HOMES = {
-    "elements": ("PD", "AncfCable", "Force", "ForceLaw", "Friction", "Particle", "RigidBody", "Spring", "Stop", "Torque", "TorsionSpring"),
+    "elements": (
+        "PD",
+        "AncfCable",
+        "CorotationalBeam",
+        "FloatingFrameBeam",
+        "Force",
+        "ForceLaw",
+        "Friction",
+        "GeometricallyExactBeam",
+        "Particle",
+        "RigidBody",
+        "Spring",
+        "Stop",
+        "Torque",
+        "TorsionSpring",
+    ),
     "joints": (
         "Actuator",
         "Angle",
@@ -134,6 +164,7 @@ __all__ = [
     "Bifurcation",
     "Branch",
     "Clamp",
+    "CorotationalBeam",
     "Coupling",
     "Cylindrical",
     "Displacement",
@@ -141,12 +172,14 @@ __all__ = [
     "DormandPrince",
     "Equilibrium",
     "Event",
+    "FloatingFrameBeam",
     "Force",
     "ForceLaw",
     "Friction",
     "Gauss",
     "Gear",
     "GeneralizedAlpha",
+    "GeometricallyExactBeam",
     "KnifeEdge",
     "Length",
     "Linearization",

@@ -57,7 +57,7 @@ class About:
         if speed.any():
             k = int(np.argmax(speed))
             found = f"{speed[k]:.6g} m/s at {self.system.owners[k][0]!r}"
-            raise SceneError([f"about: expected a state at rest (modes about a steady motion are not built), found {found}; stop it"])
+            raise SceneError([f"about: expected a state at rest, found {found}; stop it, or give modes the spin= of a steady rotation"])
 
     def _released(self) -> Array:
         """The multipliers at the release from rest; warns unless nothing is set in motion."""

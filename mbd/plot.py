@@ -20,6 +20,7 @@ from .elements.ancf_cable import Cable
 from .elements.particle import PlacedParticle
 from .elements.rigid import Body
 from .elements.spring import PlacedSpring
+from .elements.straight_beam import PlacedBeam
 from .joints.pairs import Distance
 from .joints.placed import PlacedJoint
 from .marker import Marker
@@ -163,7 +164,7 @@ def _joined(lines: list[Line], q: Array) -> Array:
 def _outline(result: Result, items: Sequence[Any] | None) -> Outline:
     outline = Outline([], [], [], [])
     for item in result.scene.items if items is None else items:
-        if isinstance(item, Cable):
+        if isinstance(item, Cable | PlacedBeam):
             outline.solid.append(_curve(item))
         elif isinstance(item, Body):
             lines = _skeleton(item, result.scene, result.system.length)
@@ -178,7 +179,7 @@ def _outline(result: Result, items: Sequence[Any] | None) -> Outline:
     return outline
 
 
-def _curve(cable: Cable) -> Line:
+def _curve(cable: Cable | PlacedBeam) -> Line:
     n = len(cable.lengths)
     ends = np.concatenate(([0.0], np.cumsum(cable.lengths))) / cable.lengths.sum()
     points = max(2, min(24, FINE // n))

@@ -70,6 +70,7 @@ def simulate(
         trouble.result = result
         raise trouble
     _warn_of_imbalance(result)
+    _warn_of_doubts(result)
     return result
 
 
@@ -146,6 +147,13 @@ def _warn_of_imbalance(result: Result) -> None:
                 SceneWarning,
                 stacklevel=3,
             )
+
+
+def _warn_of_doubts(result: Result) -> None:
+    """What items know of the limits of their own formulation."""
+    for item in result.scene.items:
+        for doubt in item.doubts(result.q) if hasattr(item, "doubts") else []:
+            warnings.warn(doubt, SceneWarning, stacklevel=3)
 
 
 class _Bar:

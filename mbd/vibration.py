@@ -1,4 +1,4 @@
-"""``modes``: how a scene vibrates about a state of rest."""
+"""``modes``: how a scene vibrates about a state of rest, or about a steady rotation."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ from .affine import Array
 from .balance import Equilibrium
 from .errors import SceneError
 from .marker import Marker
+from .rotating import Rotating
 from .scatter import Scatter
+from .spin import spin_of
 from .state import State
 from .system import System
 
@@ -33,7 +35,7 @@ class Modes:
     shapes       [k, n], with shape^H M shape = 1; complex where something damps or follows
     rigid        how many have frequency zero: they come first, after what is unstable
     unstable     how many grow
-    q            [n], the state of rest
+    q            [n], the state of rest; about a steady rotation, q and shapes are those seen in the rotating frame, with q at the start
     """
 
     scene: Scene
@@ -70,18 +72,24 @@ class Modes:
         return self.shapes[:, marker.point.columns()] @ marker.point.matrix().T
 
 
-def modes(scene: Scene, n: int = 6, about: State | Equilibrium | None = None) -> Modes:
-    """The n slowest modes of a scene, constrained by its joints, about a state of rest.
+def modes(scene: Scene, n: int = 6, about: State | Equilibrium | None = None, *, spin: Any = None) -> Modes:
+    """The n slowest modes of a scene, constrained by its joints, about a state of rest or a steady rotation.
 
     about  ``mbd.equilibrium(scene)``, a state at rest, or None: positions as described. Stresses and forces of joints there are part of
            the stiffness; drives stand still
+    spin   [rad/s], a number in the plane, [3] in space: the whole scene turns steadily about the axis through the origin. Positions of
+           balance under the centrifugal load are solved for, from those of ``about``; frequencies and shapes are those seen in the
+           rotating frame, Coriolis' forces included. Drives run (a hub with ``Motor(speed=spin)``), or the scene turns freely
 
     Rigid modes are included. Raises SceneError for a state in motion, warns where the state is no equilibrium. Small scenes (up to 600
     coordinates, damped 150) by dense matrices, larger ones by iterations on the sparse inverse, which find the modes nearest to zero; of
-    a damped scene they may be fewer than n, where slow motions crowd.
+    a damped scene they may be fewer than n, where slow motions crowd. With spin, up to 600 coordinates; raises SceneError, by name, for
+    joints, loads and drives that do not turn with the scene: gravity across the axis, a support beside it, a motor of another speed.
     """
     if isinstance(n, bool) or not isinstance(n, (int, np.integer)) or n < 1:
         raise SceneError([f"n: expected a whole number of modes from 1, found {n!r}; correct it"])
+    if spin is not None and (turning := spin_of(spin, scene.dimension)).any():
+        return _rotating(Rotating(scene, about, turning), int(n))
     at = About(scene, about)
     undamped = at.damping is None and at.conservative
     return (_undamped if undamped else _general)(at, int(n))
@@ -114,6 +122,18 @@ def _general(at: About, n: int) -> Modes:
         s, shapes = general_dense(minimal_form(system, at.linear, at.q, at.stiffness, at.damping))
     else:
         s, shapes = general_sparse(system, at.linear, at.tangent, _damping(at), 2 * n + 2)
+    return _chosen(at, s, shapes, n)
+
+
+def _rotating(at: Rotating, n: int) -> Modes:
+    from .solvers.eigen import rotating_dense
+
+    return _chosen(at, *rotating_dense(at.minimal(), at.quotients, at.rounding), n)
+
+
+def _chosen(at: About | Rotating, s: NDArray[np.complex128], shapes: NDArray[Any], n: int) -> Modes:
+    """The n slowest of all s, one of each pair, with shapes of unit mass."""
+    system = at.system
     zero = np.abs(s) ** 2 <= GENERAL * at.rounding
     s = np.where(zero, 0.0, s)
     rigid = np.flatnonzero(zero)[::2]  # each twice: a position and a velocity

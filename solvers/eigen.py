@@ -28,6 +28,9 @@ OFF = 1e-9
 
 RESTARTS = 30
 
+ROUNDED, DEFECTIVE = 1e-12, 1e-6
+"""Share of D and of the largest omega^2 that is rounding; share of |s| by which equal s of a gyroscopic system may move off the imaginary axis."""
+
 Complex = NDArray[np.complex128]
 
 
@@ -54,6 +57,46 @@ def general_dense(matrices: Minimal) -> tuple[Complex, Complex]:
     pencil[r:, :r], pencil[r:, r:] = -divided(matrices.stiffness), -divided(matrices.damping)
     s, vectors = eig(pencil)
     return s, (matrices.basis @ solve_triangular(factor, vectors[:r], lower=True, trans="T")).T
+
+
+def rotating_dense(matrices: Minimal, quotients: Callable[[Array], Array], rounding: float) -> tuple[Complex, Complex]:
+    """All s [2 r] and shapes [2 r, n] of equations with gyroscopic terms in D.
+
+    In the modes without D, whose omega^2 are the quotients [r] of shapes [r, n], everything is of the size of the frequencies, not of their
+    squares. Where nothing damps or follows and all omega^2 are positive the matrix is skew, (omega x, x')' = [0 omega; -omega -D] (omega x, x'),
+    and every s purely imaginary; otherwise real parts within a defective pair's rounding of zero count as none.
+    """
+    stiffness, mass = matrices.stiffness, matrices.mass
+    _, vectors = eigh(0.5 * (stiffness + stiffness.T), mass)
+    shapes = (matrices.basis @ vectors).T
+    squares = quotients(shapes)
+    squares[np.abs(squares) <= rounding] = 0.0
+    damping = vectors.T @ matrices.damping @ vectors
+    following = vectors.T @ (0.5 * (stiffness - stiffness.T)) @ vectors
+    damping, lost = _skew(damping)
+    following = np.where(np.abs(following) <= ROUNDED * np.max(np.abs(squares), initial=0.0), 0.0, following)
+    conservative = not lost and not following.any()
+    omega = np.sqrt(np.abs(squares))
+    omega = np.where(omega > 0.0, omega, np.min(omega[omega > 0.0], initial=1.0))
+    r = len(omega)
+    pencil = np.zeros((2 * r, 2 * r))
+    pencil[:r, r:] = np.diag(omega)
+    pencil[r:, :r], pencil[r:, r:] = -(np.diag(squares) + following) / omega, -damping
+    if conservative and (squares > 0.0).all():
+        values, states = eigh(-1j * pencil)
+        s = 1j * values
+    else:
+        s, states = eig(pencil)
+        if conservative:
+            s = np.where(np.abs(s.real) <= DEFECTIVE * np.abs(s), 1j * s.imag, s)
+    return s, (states[:r] / omega[:, None]).T @ shapes
+
+
+def _skew(damping: Array) -> tuple[Array, bool]:
+    """The skew part of D where that is all but rounding, else D; and whether there is more."""
+    lost = 0.5 * (damping + damping.T)
+    more = bool(np.max(np.abs(lost), initial=0.0) > ROUNDED * np.max(np.abs(damping), initial=0.0))
+    return (damping, True) if more else (damping - lost, False)
 
 
 def undamped_sparse(system: System, linear: Linear, tangent: Tangent, count: int) -> tuple[Array, Array]:

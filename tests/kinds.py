@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import mbd
-from mbd.derivations import laws
+from mbd.derivations import beam_laws, laws
 
 from . import symbolic
 from .symbolic import Term, gauss, hermite
@@ -208,6 +208,56 @@ def local_frame_terms(item: Any, q0: np.ndarray) -> list[Term]:
     return terms
 
 
+def _beam(name: str, **words: str) -> Callable[[Any, int, float], Any]:
+    def add(scene: Any, k: int, damping: float) -> Any:
+        start = np.array([0.5 * k, 1.0])
+        return scene.add(getattr(mbd, name)(start, start + (1.3, 0.4 - k), n_elements=2, name=f"item {k}", **words, **_numbers(k, damping)))
+
+    return add
+
+
+def corotational_terms(item: Any, q0: np.ndarray) -> list[Term]:
+    terms = []
+    for rows, length, numbers in _elements(item):
+        parts = [_derivatives(rows, shapes, 2, len(q0)) for shapes in ((-1, 0, 1, 0), (0, 1, 0, 0), (0, 0, 0, 1))]
+        terms.append(Term(beam_laws.corotational(), parts[0] + parts[1] + parts[2], [0] * 6, (*numbers, length)))
+    return terms
+
+
+def geometrically_exact_terms(item: Any, q0: np.ndarray) -> list[Term]:
+    """Quadratic elements through nodes at 0, 1/2, 1; two Gauss points."""
+    b, terms, n = item.description, [], len(q0)
+    ea, ei = float(b.E * b.A), float(b.E * b.I)
+    with symbolic.mpmath.workdps(symbolic.DIGITS):
+        for e, length in enumerate(item.lengths):
+            rows = item.rows[2 * e : 2 * e + 3]
+            for x, weight in gauss(2):
+                values = (1 - x) * (1 - 2 * x), 4 * x * (1 - x), x * (2 * x - 1)
+                slopes = [m / length for m in (4 * x - 3, 4 - 8 * x, 4 * x - 1)]
+                matrix = _derivatives(rows[:, 0], slopes, 2, n)
+                matrix += [line for k in range(3) for line in _derivatives(rows[k, 1:], [1], 2, n)]
+                numbers = (ea, 5 * ea / (6 * 2.6), ei, float(b.damping), weight * length, *values, *slopes)
+                terms.append(Term(beam_laws.geometrically_exact(), matrix, [0] * 8, numbers))
+    return terms
+
+
+def floating_frame_terms(item: Any, q0: np.ndarray) -> list[Term]:
+    """Modes of two cubic elements, clamped and free, normalised to int w^2 = 1/4, from the matrices as textbooks print them."""
+    b, length = item.description, 0.5
+    scale = np.diag([1.0, length, 1.0, length])
+    mass = np.array([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) * length / 420
+    bend = np.array([[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]]) / length**3
+    whole = np.zeros((2, 6, 6))
+    for e in range(2):
+        whole[:, 2 * e : 2 * e + 4, 2 * e : 2 * e + 4] += scale @ np.stack((mass, bend)) @ scale
+    values = np.sort(np.linalg.eigvals(np.linalg.solve(whole[0, 2:, 2:], whole[1, 2:, 2:])).real)
+    terms = []
+    for row, value in zip(item.modal, values):
+        matrix = [line for r in (item.frame[1], row) for line in _derivatives([r], [1], 2, len(q0))]
+        terms.append(Term(beam_laws.deflection(), matrix, [0] * 4, (float(b.E * b.I) / item.length**3 * value / 4, float(b.damping))))
+    return terms
+
+
 def _gains(spring: Any) -> tuple[float, float]:
     """(stiffness, damping)."""
     return float(spring.stiffness), float(spring.damping)
@@ -241,6 +291,9 @@ ELASTIC = [
     Elastic("spatial cable", 3, _straight(3, "continuum"), cable_terms),
     Elastic("curved cable", 2, _curved, cable_terms),
     Elastic("local frame cable", 2, _straight(2, "local_frame"), local_frame_terms),
+    Elastic("corotational beam", 2, _beam("CorotationalBeam"), corotational_terms),
+    Elastic("geometrically exact beam", 2, _beam("GeometricallyExactBeam"), geometrically_exact_terms),
+    Elastic("floating frame beam", 2, _beam("FloatingFrameBeam", modes="cantilever"), floating_frame_terms),
     Elastic("planar spring", 2, _spring(2, ("body", "span"), None), spring_terms),
     Elastic("planar spring, stretched", 2, _spring(2, ("particle", "body"), 0.4), spring_terms, stress_free=False),
     Elastic("planar spring to the ground", 2, _spring(2, ("node", "ground"), None), spring_terms, free=False),

@@ -57,6 +57,9 @@ def planar() -> mbd.Scene:
     scene.add(mbd.Friction(turn, force=0.1, speed=0.1))
     scene.add(mbd.KnifeEdge(scene.add(mbd.RigidBody(mass=1.0, inertia=0.1, position=(0, 4))), axis=(1, 0)))
     scene.add(mbd.Wheel(scene.add(mbd.RigidBody(mass=1.0, inertia=0.1, position=(0, 5))), axis=(1, 0), radius=0.2))
+    for k, kind in enumerate((mbd.CorotationalBeam, mbd.FloatingFrameBeam, mbd.GeometricallyExactBeam)):
+        beam = scene.add(kind((7 + k, 0), (7 + k, -0.5), n_elements=2, damping=1e-3, **CABLE))
+        scene.add(mbd.Pin(beam.start, scene.ground.at(7 + k, 0)))
     return scene
 
 

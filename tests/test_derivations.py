@@ -23,8 +23,14 @@ from mbd.derivations.masses import MASSES
 from mbd.derivations.record import Record, Underived
 from mbd.derivations.specimens import Specimen, kinds, specimens
 from mbd.derivations.step import EXACT
+from mbd.elements import floating_frame
 from mbd.elements.continuum import ContinuumAt
+from mbd.elements.corotational import CorotationalAt
+from mbd.elements.floating_frame import DeflectionAt
 from mbd.elements.force import FollowerForces
+from mbd.elements.force_law import RateLaws
+from mbd.elements.friction import Frictions
+from mbd.elements.geometrically_exact import GeometricallyExactAt
 from mbd.elements.local_frame import LocalFrameAt
 from mbd.elements.rigid import RigidBody
 from mbd.elements.spring_strains import StretchAt
@@ -33,6 +39,7 @@ from mbd.joints.drives import Couples
 from mbd.marker import Marker
 from mbd.model import Model
 from mbd.rows import coincide, dot
+from mbd.slip import Slip
 from mbd.turn import Turn
 
 
@@ -180,6 +187,10 @@ def negated(method: Callable[..., Any]) -> Callable[..., Any]:
     return lambda *args, **kwargs: -method(*args, **kwargs)
 
 
+def nonzero(method: Callable[..., Any]) -> Callable[..., Any]:
+    return lambda *args, **kwargs: method(*args, **kwargs) + 1e-9
+
+
 def without_frame(self: LocalFrameAt, stress: np.ndarray) -> np.ndarray:
     """Eq. 25 without the derivatives of the frame."""
     on_u, on_w = self._nodal(stress)
@@ -191,12 +202,24 @@ WRONG: list[tuple[Any, str, Callable[[Any], Any], str, str, str]] = [
     (LocalFrameAt, "_curve", negated, "local_frame", "mbd.elements.local_frame.LocalFrameAt.stiffness", "dQ/de"),
     (ContinuumAt, "_curve", negated, "continuum", "mbd.elements.continuum.Continuum", "stiffness"),
     (ContinuumAt, "swirl_times", negated, "continuum", "mbd.elements.continuum.Continuum", "swirl_times"),
+    (CorotationalAt, "curve", negated, "corotational_beam", "mbd.elements.corotational.Corotational", "swirl_times"),
+    (GeometricallyExactAt, "curve", negated, "geometrically_exact_beam", "mbd.elements.geometrically_exact.GeometricallyExact", "swirl_times"),
+    (DeflectionAt, "curve", negated, "floating_frame_beam", "mbd.elements.floating_frame.Deflection", "swirl_times"),
     (StretchAt, "_across", negated, "spring", "mbd.elements.spring_strains.Stretch", "stiffness"),
     (RigidBody, "director_mass", negated, "rigid_body", "mbd.elements.rigid.RigidBody.director_mass", "M"),
     (FollowerForces, "gradient", negated, "force", "mbd.elements.force.FollowerForces", "gradient"),
     (DeadTorques, "gradient", negated, "torque", "mbd.elements.torque.DeadTorques", "gradient"),
     (PlanarTorques, "force", negated, "torque", "mbd.elements.torque.PlanarTorques", "force"),
     (Couples, "force", negated, "motor", "mbd.joints.drives.Couples", "force"),
+    (Frictions, "force", negated, "friction", "mbd.elements.friction.Frictions", "force"),
+    (Frictions, "rate_gradient", negated, "friction", "mbd.elements.friction.Frictions", "rate gradient"),
+    (RateLaws, "gradient", negated, "force_law", "mbd.elements.force_law.RateLaws", "gradient"),
+    (RateLaws, "rate_gradient", negated, "force_law", "mbd.elements.force_law.RateLaws", "rate gradient"),
+    (Slip, "value", nonzero, "knife_edge", "mbd.joints.knife_edge.KnifeEdge.slips", "Slip.value"),
+    (Slip, "gradient", negated, "knife_edge", "mbd.joints.knife_edge.KnifeEdge.slips", "Slip.gradient"),
+    (Slip, "swirl", negated, "knife_edge", "mbd.joints.knife_edge.KnifeEdge.slips", "Slip.swirl"),
+    (Slip, "bias", negated, "wheel", "mbd.joints.knife_edge.Wheel.slips", "Slip.bias"),
+    (Slip, "curvature", negated, "wheel", "mbd.joints.knife_edge.Wheel.slips", "Slip.curvature"),
     (Turn, "bias", negated, "rows", "mbd.turn.Turn", "bias"),
     (Quadratic, "bias", negated, "pin", "mbd.joints.pairs.Pin.rows", "Quadratic.bias"),
     (Quadratic, "curvature", negated, "rows", "mbd.rows.dot", "curvature"),
@@ -215,6 +238,13 @@ def test_a_wrong_sign_is_found_by_the_step_about_it(owner, name, wrong, word, ke
     assert not failures(word, kernel)
     monkeypatch.setattr(owner, name, wrong(getattr(owner, name)))
     assert quantity in failures(word, kernel)
+
+
+def test_a_wrong_shortening_is_found_in_the_mass_of_a_floating_frame(monkeypatch) -> None:
+    subjects.steps.cache_clear()
+    monkeypatch.setattr("mbd.elements.floating_frame._shortening", negated(floating_frame._shortening))
+    assert len(failures("floating_frame_beam", "mbd.system.System.mass")) == 2  # not without stiffening
+    subjects.steps.cache_clear()
 
 
 @pytest.mark.parametrize(("table", "gravity"), [("WEIGHT", "consistent"), ("WEIGHT_LUMPED", "lumped")])
@@ -237,4 +267,17 @@ def test_a_joint_whose_rows_are_wrong_does_not_stay_closed(monkeypatch, capsys) 
     monkeypatch.setattr("mbd.joints.pairs.points", lambda a, b: [(axis, row) for axis, row in zip("xyz", coincide(a.point, b.point.scaled(-1.0)))])
     assert main(["derive", "ball", "--check"]) == 1
     assert "wrong: mbd.joints.pairs.Ball.rows: closure" in capsys.readouterr().err
+    subjects.steps.cache_clear()
+
+
+def test_the_curvature_of_a_nonholonomic_row_is_not_symmetric_and_a_transposed_one_is_found(monkeypatch) -> None:
+    compiled = Slip._compile_curvature
+
+    def transposed(self: Slip) -> None:
+        compiled(self)
+        self.curvature_rows, self.curvature_cols = self.curvature_cols, self.curvature_rows
+
+    subjects.steps.cache_clear()
+    monkeypatch.setattr(Slip, "_compile_curvature", transposed)
+    assert failures("wheel", "mbd.joints.knife_edge.Wheel.slips") == ["Slip.curvature"]
     subjects.steps.cache_clear()

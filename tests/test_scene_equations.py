@@ -47,6 +47,39 @@ def test_eliminating_the_multipliers_gives_the_equation_of_the_angle() -> None:
     assert sp.simplify((along.T * e.f.subs(place))[0] - m * g * sp.cos(theta) / 2) == 0
 
 
+def vehicle() -> mbd.Scene:
+    """A body on a skate and a braked, driven wheel."""
+    scene = mbd.Scene(gravity=(0.0, 0.0))
+    cart = scene.add(mbd.RigidBody(mass=1.5, inertia=0.3, position=(0.0, 0.0), name="cart"))
+    scene.add(mbd.KnifeEdge(cart, axis=(1.0, 0.0), name="skate"))
+    wheel = scene.add(mbd.Wheel(cart.at(0.4, 0.0), axis=(3.0, 4.0), radius=0.2, name="wheel"))
+    scene.add(mbd.Friction(wheel, force=0.5, speed=2.0, name="brake"))
+    scene.add(mbd.ForceLaw(wheel, lambda t, s, rate: t - s - rate**3, rates=True, name="engine"))
+    return scene
+
+
+def test_nonholonomic_rows_are_those_of_a_textbook() -> None:
+    """A skate along u at p: p' x u = 0; a wheel of radius R: p' . u = R phi'. G v in terms of x, y, theta and their rates."""
+    found = mbd.equations(vehicle())
+    assert [found.labels[k] for k in found.slips] == ["skate slip", "wheel slip", "wheel rolling"]
+    theta, dx, dy, turning, spin = sp.symbols("theta dx dy omega spin")
+    at = {found.q[2]: sp.cos(theta), found.q[3]: sp.sin(theta)}
+    v = sp.Matrix([dx, dy, -sp.sin(theta) * turning, sp.cos(theta) * turning, spin])
+    u = sp.Matrix([sp.cos(theta + sp.atan2(4, 3)), sp.sin(theta + sp.atan2(4, 3))])
+    contact = sp.Matrix([dx, dy]) + sp.Rational(2, 5) * turning * sp.Matrix([-sp.sin(theta), sp.cos(theta)])
+    expected = [dy * sp.cos(theta) - dx * sp.sin(theta), u[0] * contact[1] - u[1] * contact[0], u.dot(contact) - spin / 5]
+    rates = found.G.xreplace(at) * v
+    for k, right in zip(found.slips, expected):
+        assert found.g[k] == 0
+        assert sp.simplify(sp.nsimplify(sp.expand(sp.expand_trig(rates[k] - right)), tolerance=1e-14)) == 0
+
+
+def test_loads_that_depend_on_rates_contain_them() -> None:
+    found = mbd.equations(vehicle())
+    turn, rate = found.q[-1], found.v[-1]
+    assert sp.simplify(found.f[-1] - (found.t - turn - rate**3 - sp.tanh(rate / 2) / 2)) == 0
+
+
 def everything() -> mbd.Scene:
     """Cable, body, particle; spring, damper, loads that are constant, follow, or vary; drives; joints."""
     scene = mbd.Scene(gravity=(0.2, -9.81))
@@ -66,8 +99,19 @@ def everything() -> mbd.Scene:
     return scene
 
 
+def beams() -> mbd.Scene:
+    """One of each formulation with unit directors, hung up backwards; modes whose stiffnesses differ."""
+    scene = mbd.Scene()
+    for k, kind in enumerate((mbd.CorotationalBeam, mbd.GeometricallyExactBeam, mbd.FloatingFrameBeam)):
+        beam = scene.add(kind((0, k), (-0.4, k + 0.1), n_elements=1 if k == 1 else 2, E=10.0, A=0.2, I=0.03, rho=2.0, damping=0.1, name=f"beam{k}"))
+        scene.add(mbd.Pin(beam.start, scene.ground.at(0, k), name=f"pivot{k}"))
+    return scene
+
+
 SCENES = {
     "everything": everything,
+    "beams": beams,
+    "vehicle": vehicle,
     "double pendulum": lambda: double_pendulum()[0],
     "simple pendulum": lambda: simple_pendulum()[0],
     "heavy top": lambda: heavy_top()[0],

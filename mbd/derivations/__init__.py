@@ -1,6 +1,7 @@
 """Derivations: every kernel from its published formula by sympy, compared with the numbers that it returns.
 
-    law.py, laws.py, load_laws.py     an elastic kernel as an energy, a load as a virtual work: forces and tangents by differentiation
+    law.py, laws.py, beam_laws.py,
+    load_laws.py                      an elastic kernel as an energy, a load as a virtual work: forces and tangents by differentiation
     rows.py, masses.py                equations, masses and weights of a scene as expressions
     kernels.py                        the kernels of a scene against these, at random states
     cable.py, chord.py, ...           the steps from a paper's first equation to the kernel

@@ -108,15 +108,21 @@ def acting(scene: Scene, kernel: Any, rng: np.random.Generator) -> Pairs:
     for part in record.acting:
         for term in load_terms(part) if part.kernel is kernel else ():
             expected.add(term, q, v)
-    force, gradient = np.zeros(system.n), np.zeros((system.n, system.n))
+    rated = getattr(kernel, "depends_on_rate", False)
+    force, gradient, rate_gradient = np.zeros(system.n), np.zeros((system.n, system.n)), np.zeros((system.n, system.n))
     for load in system.loads:
         if type(load) is kernel:
             inputs = load.inputs(np.asarray(TIME))
-            np.add.at(force, load.dofs % system.n, load.force(q, inputs))
+            state = (q, v, inputs) if rated else (q, inputs)
+            at = load.dofs[:, :, None] % system.n, load.dofs[:, None, :] % system.n
+            np.add.at(force, load.dofs % system.n, load.force(*state))
             if not load.constant_in_q:
-                np.add.at(gradient, (load.dofs[:, :, None] % system.n, load.dofs[:, None, :] % system.n), load.gradient(q, inputs))
+                np.add.at(gradient, at, load.gradient(*state))
+            if rated:
+                np.add.at(rate_gradient, at, load.rate_gradient(*state))
     yield "force", expected.vectors["force"], force
     yield "gradient", expected.matrices["gradient"], gradient
+    yield "rate gradient", expected.matrices["rate gradient"], rate_gradient
 
 
 def closures(scene: Scene, rng: np.random.Generator) -> Pairs:
@@ -131,21 +137,23 @@ def closures(scene: Scene, rng: np.random.Generator) -> Pairs:
 def _differentiated(scene: Scene) -> list[rows.Differentiated]:
     """The expressions of each kernel of equations."""
     system = scene.build()
-    names = symbols(system.n)
-    g = equations(Record(scene), system, names)
-    return [rows.Differentiated(g[span], names) for span in system.joints.spans]
+    q, v = symbols("q", system.n), symbols("v", system.n)
+    g = equations(Record(scene), system, q, v)
+    slips = set(system.joints.slips.tolist())
+    closures = [rows.nonholonomic(g[k], v) if k in slips else rows.holonomic(g[k], q) for k in range(system.m)]
+    return [rows.Differentiated(closures[span], q) for span in system.joints.spans]
 
 
-def equations(record: Record, system: Any, names: rows.Coordinates) -> list[sp.Expr]:
-    """gamma(q) [m]; refuses systems with equations of a kind that has no derivation."""
-    found = rows.equations(record, names)
+def equations(record: Record, system: Any, q: rows.Coordinates, v: rows.Coordinates) -> list[sp.Expr]:
+    """gamma(q) [m], of nonholonomic rows A(q) v; refuses systems with equations of a kind that has no derivation."""
+    found = rows.equations(record, q) + rows.slips(record, q, v)
     if len(found) != system.m:
         raise Underived("the kernel of equations", type(system.joints.kernels[-1]), "mbd/derivations/rows.py")
     return found
 
 
-def symbols(n: int) -> list[sp.Symbol]:
-    return [sp.Symbol(f"q_{k}") for k in range(n)]
+def symbols(letter: str, n: int) -> list[sp.Symbol]:
+    return [sp.Symbol(f"{letter}_{k}") for k in range(n)]
 
 
 def masses(scene: Scene) -> Pairs:

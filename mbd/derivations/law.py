@@ -6,7 +6,7 @@ A law has strains eps(w) of local variables w, which are affine in the coordinat
     F = dW/dw + dR/dw_t = B' sigma,   sigma = C eps + H eps_t                         force, on q as A' F
     K = dF/dw = B' C B + sigma . d2 eps/dw2 + B' H d(B w_t)/dw,   D = B' H B          tangents, on q as A' K A, A' D A
 
-The law of a load is its force F(w), K = dF/dw. Laws are compiled once, for 30 digits.
+The law of a load is its force F(w, w_t), with dF/dw and dF/dw_t. Laws are compiled once, for 30 digits.
 """
 
 from __future__ import annotations
@@ -25,13 +25,18 @@ from mbd.affine import Affine, Array
 from .numbers import DIGITS, floats, matrix, number, precise
 
 
+def rates_of(w: Sequence[sp.Symbol]) -> list[sp.Symbol]:
+    """w_t."""
+    return [sp.Symbol(rf"\dot{{{x.name}}}") for x in w]
+
+
 class Law:
     """Strains of local variables and what they cost; C and H may contain the parameters."""
 
     def __init__(self, w: Sequence[sp.Symbol], strains: Sequence[Any], moduli: Any, viscosities: Any, parameters: Sequence[sp.Symbol]):
         self.w, self.strains, self.parameters = list(w), sp.Matrix(strains), list(parameters)
         self.moduli, self.viscosities = sp.Matrix(moduli), sp.Matrix(viscosities)
-        self.rates = [sp.Symbol(rf"\dot{{{x.name}}}") for x in self.w]
+        self.rates = rates_of(self.w)
 
     @cached_property
     def gradient(self) -> sp.Matrix:
@@ -69,19 +74,17 @@ class Law:
 
 
 class LoadLaw:
-    """The force on local variables, for given inputs."""
+    """The force on local variables, for given inputs; it may contain their rates."""
 
     def __init__(self, w: Sequence[sp.Symbol], inputs: Sequence[sp.Symbol], force: Any):
         self.w, self.inputs, self.force = list(w), list(inputs), sp.Matrix(force)
-
-    @cached_property
-    def gradient(self) -> sp.Matrix:
-        return self.force.jacobian(self.w)
+        self.rates = rates_of(self.w)
 
     @cached_property
     def compiled(self) -> Any:
-        """-> F, dF/dw."""
-        return sp.lambdify([*self.w, *self.inputs], [self.force, self.gradient], modules="mpmath", cse=True)
+        """-> F, dF/dw, dF/dw_t."""
+        everything = [self.force, self.force.jacobian(self.w), self.force.jacobian(self.rates)]
+        return sp.lambdify([*self.w, *self.rates, *self.inputs], everything, modules="mpmath", cse=True)
 
 
 class Term(NamedTuple):
@@ -120,12 +123,12 @@ class Totals:
         with mpmath.workdps(DIGITS):
             a, columns = matrix(term.matrix), term.columns % self.n
             w = a * matrix(q[columns].tolist()) + matrix(term.constant)
-            numbers = [precise(x) for x in term.numbers]
+            rates, numbers = a * matrix(v[columns].tolist()), [precise(x) for x in term.numbers]
             if isinstance(term.law, LoadLaw):
-                force, gradient = term.law.compiled(*w, *numbers)
-                self._place(a, columns, {"force": force}, {"gradient": gradient})
+                force, gradient, rate_gradient = term.law.compiled(*w, *rates, *numbers)
+                self._place(a, columns, {"force": force}, {"gradient": gradient, "rate gradient": rate_gradient})
                 return
-            energy, *local = term.law.at(w, a * matrix(v[columns].tolist()), numbers)
+            energy, *local = term.law.at(w, rates, numbers)
             self.energy += float(energy)
             self._place(a, columns, *local)
 

@@ -17,6 +17,7 @@ from mbd.elements.local_frame import LocalFrame
 from mbd.elements.spring_strains import Offset, Stretch, Twist
 from mbd.elements.stop import StopDampers
 
+from .beam_laws import BEAMS
 from .law import Law, Term, stacked
 from .numbers import gauss, number
 
@@ -200,4 +201,5 @@ TERMS: dict[type, Callable[[tuple, dict[str, Any], int], list[Term]]] = {
     Offset: _offset,
     Twist: _twist,
     StopDampers: _stop_damper,
+    **BEAMS,
 }

@@ -16,12 +16,13 @@ import sympy as sp
 from mbd.affine import Array
 from mbd.elements.control import Pursuit
 from mbd.elements.force import DeadForces, FollowerForces
-from mbd.elements.force_law import Laws
+from mbd.elements.force_law import Laws, RateLaws
+from mbd.elements.friction import Frictions
 from mbd.elements.stop import StopSprings
 from mbd.elements.torque import DeadTorques, FollowerTorques, PlanarTorques, RigidTorques
 from mbd.joints.drives import Couples
 
-from .law import LoadLaw, Term, stacked
+from .law import LoadLaw, Term, rates_of, stacked
 from .laws import limits, penetration
 from .numbers import number
 from .rows import called
@@ -131,11 +132,23 @@ def _stop_spring(key: tuple, numbers: dict[str, Any], n: int) -> Term:
     return Term(LoadLaw([s], [], [force]), np.array([numbers["at"][n]]), sp.eye(1), sp.zeros(1, 1), ())
 
 
-def _force_law(key: tuple, numbers: dict[str, Any], n: int) -> Term:
-    """The user's function of t and the measures."""
-    formula, t, w = numbers["formulas"][n], sp.Symbol("t", real=True), sp.symbols(f"s_1:{key[0] + 1}")
-    law = LoadLaw(w, [t], called(formula.item, formula.function, [t, *w]))
-    return Term(law, numbers["at"][n], sp.eye(key[0]), sp.zeros(key[0], 1), ())
+def _friction(key: tuple, numbers: dict[str, Any], n: int) -> Term:
+    """-F tanh(s_t / speed)."""
+    s = sp.Symbol("s", real=True)
+    (rate,), size, speed = rates_of([s]), number(numbers["size"][n]), number(numbers["speed"][n])
+    return Term(LoadLaw([s], [], [-size * sp.tanh(rate / speed)]), np.array([numbers["at"][n]]), sp.eye(1), sp.zeros(1, 1), ())
+
+
+def _force_law(rates: bool) -> Callable[[tuple, dict[str, Any], int], Term]:
+    """The user's function of t and the measures, and perhaps their rates."""
+
+    def term(key: tuple, numbers: dict[str, Any], n: int) -> Term:
+        formula, t, w = numbers["formulas"][n], sp.Symbol("t", real=True), sp.symbols(f"s_1:{key[0] + 1}")
+        arguments = [t, *w, *(rates_of(w) if rates else ())]
+        law = LoadLaw(w, [t], called(formula.item, formula.function, arguments))
+        return Term(law, numbers["at"][n], sp.eye(key[0]), sp.zeros(key[0], 1), ())
+
+    return term
 
 
 LOADS: dict[type, Callable[[tuple, dict[str, Any], int], Term]] = {
@@ -148,12 +161,16 @@ LOADS: dict[type, Callable[[tuple, dict[str, Any], int], Term]] = {
     Couples: _couple,
     Pursuit: _pursuit,
     StopSprings: _stop_spring,
-    Laws: _force_law,
+    Laws: _force_law(False),
+    RateLaws: _force_law(True),
+    Frictions: _friction,
 }
 
 INPUTS: dict[type, Callable[[dict[str, Any], int, Array], list[float]]] = {
     Pursuit: lambda numbers, n, t: [float(np.sum(p * c.value(t) + d * c.rate(t))) for (p, d), c in [(numbers["gains"][n], numbers["targets"][n])]],
     StopSprings: lambda numbers, n, t: [],
     Laws: lambda numbers, n, t: [float(t)],
+    RateLaws: lambda numbers, n, t: [float(t)],
+    Frictions: lambda numbers, n, t: [],
 }
 """Inputs at a time, of kernels whose inputs are not the samples of their signals."""

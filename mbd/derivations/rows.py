@@ -1,18 +1,21 @@
-"""Equations of joints as expressions: quadratic rows, turning angles, points on cables, and what users' functions relate."""
+"""Equations of joints as expressions: quadratic rows, turning angles, points on cables, what users' functions relate, and
+nonholonomic rows."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import mpmath
 import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
 from mbd.affine import Affine, Array, Scalar
 from mbd.model import Model
 from mbd.relation import Relation
 from mbd.rows import Row
+from mbd.slip import SlipRow
 from mbd.track import Track
 from mbd.turn import Turning
 
@@ -24,7 +27,11 @@ Coordinates = Sequence[sp.Symbol]
 
 
 def scalar(form: Scalar, q: Coordinates) -> sp.Expr:
-    return sp.Add(number(form.constant), *(number(c) * q[k] for k, c in zip(form.columns, form.coefficients)))
+    return number(form.constant) + rate(form, q)
+
+
+def rate(form: Scalar, v: Coordinates) -> sp.Expr:
+    return sp.Add(*(number(c) * v[k] for k, c in zip(form.columns, form.coefficients)))
 
 
 def vector(form: Affine, q: Coordinates) -> sp.Matrix:
@@ -59,6 +66,11 @@ def relation(item: str, related: Relation, q: Coordinates) -> sp.Expr:
     return q[related.output] - called(item, related.formula.function, [q[k] for k in related.inputs])[0]
 
 
+def slip(row: SlipRow, q: Coordinates, v: Coordinates) -> sp.Expr:
+    """A(q) v = sum x dy/dt."""
+    return sp.Add(*(scalar(x, q) * rate(y, v) for x, y in row))
+
+
 def called(item: str, function: Any, arguments: Sequence[sp.Expr]) -> list[sp.Expr]:
     """A user's function of symbols; it must be made of operations that symbols understand."""
     try:
@@ -69,26 +81,45 @@ def called(item: str, function: Any, arguments: Sequence[sp.Expr]) -> list[sp.Ex
 
 
 def equations(model: Model, q: Coordinates) -> list[sp.Expr]:
-    """gamma(q) [m] in the order of the system's equations, without what drives ask for."""
+    """gamma(q) [m] in the order of the system's equations, without what drives ask for; nonholonomic rows are none of them."""
     found = [quadratic(row, q) for *_, row in model.equations] + [turn(angle, q) for _, angle in model.turns]
     found += [row for _, track in model.tracks for row in on_track(track, q)]
     return found + [relation(item, related, q) for item, related in model.relations]
 
 
-class Differentiated:
-    """Equations [m] and their first two derivatives at numbers, from 30 digits."""
+def slips(model: Model, q: Coordinates, v: Coordinates) -> list[sp.Expr]:
+    """A(q) v of the nonholonomic rows, which stand behind all others."""
+    return [slip(row, q, v) for *_, row in model.slips]
 
-    def __init__(self, g: Sequence[sp.Expr], q: Coordinates):
-        self.n, self.m = len(q), len(g)
-        index = {symbol: k for k, symbol in enumerate(q)}
-        own = [sorted(expression.free_symbols, key=index.__getitem__) for expression in g]
-        gradients = [[sp.diff(f, x) for x in names] for f, names in zip(g, own)]
-        hessians = [[[sp.diff(f, x) for x in names] for f in gradient] for gradient, names in zip(gradients, own)]
-        self.columns = [np.array([index[x] for x in names], dtype=np.intp) for names in own]
-        self.function = sp.lambdify(list(q), [list(g), gradients, hessians], "mpmath", cse=True)
+
+class Closure(NamedTuple):
+    """gamma and its row of G by columns; of a nonholonomic row 0 and A."""
+
+    value: sp.Expr
+    gradient: dict[int, sp.Expr]
+
+
+def holonomic(g: sp.Expr, q: Coordinates) -> Closure:
+    return Closure(g, {k: sp.diff(g, x) for k, x in enumerate(q) if x in g.free_symbols})
+
+
+def nonholonomic(slipping: sp.Expr, v: Coordinates) -> Closure:
+    """Of A(q) v."""
+    return Closure(sp.Integer(0), {k: sp.diff(slipping, x) for k, x in enumerate(v) if x in slipping.free_symbols})
+
+
+class Differentiated:
+    """Rows [m] and the derivatives of their gradients at numbers, from 30 digits."""
+
+    def __init__(self, closures: Sequence[Closure], q: Coordinates):
+        self.n, self.m = len(q), len(closures)
+        self.columns = [_columns(closure, q) for closure in closures]
+        gradients = [[closure.gradient.get(k, sp.Integer(0)) for k in own] for closure, own in zip(closures, self.columns)]
+        hessians = [[[sp.diff(f, q[k]) for k in own] for f in gradient] for gradient, own in zip(gradients, self.columns)]
+        self.function = sp.lambdify(list(q), [[closure.value for closure in closures], gradients, hessians], "mpmath", cse=True)
 
     def at(self, q: Array) -> tuple[Array, Array, Array]:
-        """g [m], dg/dq [m, n], d2g/dq2 [m, n, n]."""
+        """gamma [m], G [m, n], dG/dq [m, n, n], which is symmetric for holonomic rows only."""
         value, gradient, hessian = np.zeros(self.m), np.zeros((self.m, self.n)), np.zeros((self.m, self.n, self.n))
         with mpmath.workdps(DIGITS):
             values, gradients, hessians = self.function(*(precise(x) for x in q))
@@ -97,10 +128,16 @@ class Differentiated:
         return value, gradient, hessian
 
 
+def _columns(closure: Closure, q: Coordinates) -> NDArray[np.intp]:
+    """The coordinates that a row depends on or acts on."""
+    occurring = set().union(*(x.free_symbols for x in closure.gradient.values()))
+    return np.array([k for k, x in enumerate(q) if k in closure.gradient or x in occurring], dtype=np.intp)
+
+
 def evaluate(exact: Differentiated, kernel: Any, q: Array, v: Array, rng: np.random.Generator) -> Pairs:
-    """A kernel of equations beside the derivatives of its expressions, with random multipliers."""
+    """A kernel of equations beside the derivatives of its expressions, with random multipliers: swirl is d(G v)/dq."""
     value, gradient, hessian = exact.at(q)
-    multipliers, swirl = rng.standard_normal(exact.m), hessian @ v
+    multipliers, swirl = rng.standard_normal(exact.m), np.einsum("rij,i->rj", hessian, v)
     z = kernel.prepare(q)
 
     def full(values: Array) -> Array:

@@ -1,6 +1,6 @@
 """``mbd.equations(scene)``: the equations of a small scene as expressions with its own names.
 
-    M dv/dt = f(q, v, t) - G(q)' lambda,   g(q, t) = 0,   G = dg/dq
+    M dv/dt = f(q, v, t) - G(q)' lambda,   g(q, t) = 0,   G = dg/dq,   G(q) v = 0 in the nonholonomic rows
 
 Built from what the items say of themselves and from the laws of this folder, not from the arrays of the system, with which it compares itself.
 """
@@ -38,6 +38,7 @@ class Equations:
     M [n, n], f [n], g [m], G [m, n]   sympy matrices; f holds weight, loads, elastic and damping forces
     values    the numbers of the parameters in them
     labels    the joint and row behind each entry of g
+    slips     the numbers of nonholonomic rows (knife edges, wheels): constraints of velocities, G v = 0, where g is 0 and G not its gradient
     """
 
     def __init__(self, scene: Scene):
@@ -54,8 +55,8 @@ class Equations:
         record = Record(scene)
         self.M, weight = self._mass(record)
         self.f = weight + self._applied(record) - self._elastic(record)
-        self.g = self._closures(record)
-        self.G = self.g.jacobian(self.q) if system.m else sp.zeros(0, system.n)
+        self.slips: list[int] = system.joints.slips.tolist()
+        self.g, self.G = self._closures(record)
 
     def __repr__(self) -> str:
         return f"<equations of motion of {len(self.q)} coordinates and {len(self.labels)} joint equations>"
@@ -102,7 +103,8 @@ class Equations:
                 self.values |= {symbol: number(x) for symbol, x in zip(named[field], values)}
             else:
                 letter = "tau" if cable and field == "damping" else LETTERS.get(field, field)
-                named[field] = [self._parameter(f"{letter}_{part.item}", x) for x in values]
+                numbered = [letter] * len(values) if np.ptp(values) == 0.0 else [f"{letter}{k + 1}" for k in range(len(values))]
+                named[field] = [self._parameter(f"{name}_{part.item}", x) for name, x in zip(numbered, values)]
         return named | {"stored": part.numbers}
 
     def _applied(self, record: Record) -> sp.Matrix:
@@ -114,7 +116,8 @@ class Equations:
         for part in record.acting:
             for n, term in enumerate(kernels.load_terms(part, None)):
                 inputs = dict(zip(term.law.inputs, self._inputs(part, n, term.law)))
-                self._add(total, term, term.law.force.xreplace(dict(zip(term.law.w, term.of(self.q))) | inputs))
+                local = dict(zip(term.law.w, term.of(self.q))) | dict(zip(term.law.rates, term.rate(self.v)))
+                self._add(total, term, term.law.force.xreplace(local | inputs))
         return total
 
     def _inputs(self, part: Part, n: int, law: LoadLaw) -> list[sp.Expr]:
@@ -134,13 +137,15 @@ class Equations:
         for k, value in zip(term.columns, term.matrix.T * local):
             total[int(k) % len(self.q)] += value
 
-    def _closures(self, record: Record) -> sp.Matrix:
-        g = kernels.equations(record, self._system, self.q)
+    def _closures(self, record: Record) -> tuple[sp.Matrix, sp.Matrix]:
+        """g and G; a nonholonomic row is linear in the rates, and G their coefficients."""
+        g = kernels.equations(record, self._system, self.q, self.v)
         for rows, target in record.drives:
             for k in range(rows.start, rows.stop):
                 name = "_".join(("c", *self.labels[k].split()))
                 g[k] -= self._function(name, lambda t, target=target, i=k - rows.start: target.value(np.asarray(t))[..., i])
-        return sp.Matrix(len(g), 1, g)
+        gradient = sp.Matrix(len(g), len(self.q), lambda k, i: sp.diff(g[k], (self.v if k in self.slips else self.q)[i]))
+        return sp.Matrix(len(g), 1, lambda k, _: sp.Integer(0) if k in self.slips else g[k]), gradient
 
     def check(self, seed: int = 1) -> float:
         """The worst relative difference of M, f, g and G to the assembled numbers at a random state, from 30 digits."""

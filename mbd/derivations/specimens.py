@@ -68,6 +68,19 @@ def _cables() -> Iterator[Specimen]:
     yield Specimen("curved", _scene(2, mbd.AncfCable(**arc, gauss_points=POINTS, damping=0.2, name="arc", **STEEL)))
 
 
+def _beams(kind: str, *variants: dict[str, Any]) -> Callable[[], Iterator[Specimen]]:
+    """Two beams, one backwards and the other across."""
+
+    def made() -> Iterator[Specimen]:
+        for words in variants:
+            ends = (((0.0, 1.0), (-1.3, 0.6)), ((0.5, 1.0), (0.3, -0.1)))
+            common: dict[str, Any] = {"n_elements": 2, "damping": 0.3} | STEEL | words
+            beams = [getattr(mbd, kind)(*pair, name=f"rod{k}", **common) for k, pair in enumerate(ends)]
+            yield Specimen(" ".join(["planar", *(f"{name}={value}" for name, value in words.items())]), _scene(2, *beams))
+
+    return made
+
+
 def _bodies() -> Iterator[Specimen]:
     yield Specimen("planar", _scene(2, mbd.RigidBody(mass=1.5, inertia=0.3, position=(0.2, -0.4), angle=0.6, name="body")))
     inertia = np.array([[0.5, 0.05, 0.02], [0.05, 0.6, -0.04], [0.02, -0.04, 0.7]])
@@ -79,7 +92,14 @@ def _particles() -> Iterator[Specimen]:
     yield Specimen("spatial", _scene(3, mbd.Particle(0.7, (0.2, -0.4, 0.1), name="bob")))
 
 
-MASSIVE: dict[str, Callable[[], Iterator[Specimen]]] = {"AncfCable": _cables, "RigidBody": _bodies, "Particle": _particles}
+MASSIVE: dict[str, Callable[[], Iterator[Specimen]]] = {
+    "AncfCable": _cables,
+    "CorotationalBeam": _beams("CorotationalBeam", {}),
+    "FloatingFrameBeam": _beams("FloatingFrameBeam", {}, {"modes": "cantilever", "n_elements": 3}, {"stiffening": False}),
+    "GeometricallyExactBeam": _beams("GeometricallyExactBeam", {}, {"GA": 0.7, "rotary_inertia": 0.2}),
+    "RigidBody": _bodies,
+    "Particle": _particles,
+}
 
 
 def _between(kind: type) -> Iterator[Specimen]:

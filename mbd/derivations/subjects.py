@@ -35,7 +35,13 @@ PARTS: dict[str, tuple[str, Callable[[], list[Step]], type | None]] = {
 }
 """Subjects that are no kinds: the kind whose specimens hold their kernel, their steps, the kernel."""
 
-SOURCES: dict[str, str] = {"LocalFrame": f"{PAPER}, eqs. 18, 25", "Continuum": continuum.SOURCE}
+SOURCES: dict[str, str] = {
+    "LocalFrame": f"{PAPER}, eqs. 18, 25",
+    "Continuum": continuum.SOURCE,
+    "Corotational": "Belytschko and Hsieh (1973)",
+    "GeometricallyExact": "Simo and Vu-Quoc (1986)",
+    "Deflection": "Pechstein, Reischl and Gerstmayr (2013)",
+}
 """Of the laws of kernels; those without a line follow from the formula in the step itself."""
 
 
@@ -132,11 +138,13 @@ def _equations(case: Specimen, kind: type) -> Iterator[Step]:
     if not rows or kind.__module__.startswith("mbd.elements.rigid"):
         return
     naming = Naming(case.scene)
-    g = kernels.equations(record, system, naming.q)
+    g = kernels.equations(record, system, naming.q, naming.v)
     title = f"{case.what}: {', '.join(system.joints.labels[k][1] for k in rows)}"
-    name = f"{kind.__module__}.{kind.__name__}.rows"
+    slips = bool(rows) and rows[0] in system.joints.slips  # then A(q) v is shown, which is the rate of nothing
+    what = "slips" if slips else "rows" if hasattr(kind, "rows") else "place"
+    name = f"{kind.__module__}.{kind.__name__}.{what}"
     right = sp.Matrix([g[k] for k in rows])
-    yield Step(title, "g", right, "here, from its own rows", name, partial(kernels.closures, case.scene), naming.written)
+    yield Step(title, "A v" if slips else "g", right, "here, from its own rows", name, partial(kernels.closures, case.scene), naming.written)
     sides = [side for item in case.scene.items if item.name in own for side in getattr(item.description, "sides", ())]
     if "body-body" in case.what and not record.drives and not any(side.fixed for side in sides):
         title = f"{case.what}: still closed when both sides move together"

@@ -79,6 +79,8 @@ WORDS: dict[str, Callable[[Scene], Any]] = {
     "normal": lambda scene: (0.0, 3.0, -4.0),
     "radius": lambda scene: 0.2,
     "stiffness": lambda scene: 3.0,
+    "force": lambda scene: 1.5,
+    "speed": lambda scene: 2.0,
     "damping": lambda scene: 0.5,
     "proportional": lambda scene: 3.0,
     "width": lambda scene: 0.4,
@@ -110,6 +112,11 @@ VARIANTS: dict[str, list[Any]] = {
     "Coupling": [{}, {"value": _wave}],
     "ForceLaw": [
         {"function": lambda t, x, y: (t * x + y**3, 2 * x * y), "gradient": lambda t, x, y: ((t, 3 * y**2), (2 * y, 2 * x))},
+        {
+            "rates": True,
+            "function": lambda t, x, y, u, w: (t * x - u**3, y * w + u * x),
+            "gradient": lambda t, x, y, u, w: ((t, 0, -3 * u**2, 0), (u, w, x, y)),
+        },
     ],
     "UserMeasure": [
         {
