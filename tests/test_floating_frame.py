@@ -12,7 +12,7 @@ import pytest
 import mbd
 from mbd.elements.bending_modes import BendingModes
 
-from .statics import SECTION, Cantilever, equilibria
+from .cantilever import SECTION, Cantilever, equilibria
 
 REFERENCE = json.loads((Path(__file__).resolve().parents[1] / "examples" / "escalona_1998" / "reference.json").read_text(encoding="utf-8"))
 

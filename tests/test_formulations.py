@@ -10,8 +10,8 @@ import pytest
 import mbd
 
 from . import machines
+from .cantilever import SECTION, Cantilever, equilibria
 from .kinds import dense
-from .statics import SECTION, Cantilever, equilibria
 
 NAMES = ("CorotationalBeam", "FloatingFrameBeam", "GeometricallyExactBeam")
 beams = pytest.mark.parametrize("name", NAMES)
