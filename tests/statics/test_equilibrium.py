@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 
 import mbd
 
@@ -176,7 +177,7 @@ def test_drives_stand_where_they_are_at_that_time(turned: float) -> None:
     scene, beam, motor = driven_beam(0.2)
     found = mbd.equilibrium(scene, t=turned / 0.2)
     points = np.array([found.position(beam.at(s)) for s in np.linspace(0, 1, 401)])
-    lever = np.trapezoid(points[:, 0], dx=1 / 400)
+    lever = trapezoid(points[:, 0], dx=1 / 400)
     assert found.angle(beam.start) == pytest.approx(turned, abs=1e-9)
     assert found.reaction(motor)[2] == pytest.approx(9.81 * 0.1 * lever, rel=1e-6)
     assert found.state.t == turned / 0.2
