@@ -98,10 +98,15 @@ class About:
 
     def quotients(self, shapes: Array) -> Array:
         """x' K x [k] of shapes [k, n], as energies of strains: what does not strain anything is zero to rounding squared."""
-        view: System = copy(self.system)
-        view.modulus = np.zeros_like(view.modulus)
-        values = view.stiffness(self.q, np.zeros(view.n), self.inputs, self.stress, self.multipliers)
-        geometric = np.sum(values * shapes[:, view.stiffness_rows] * shapes[:, view.stiffness_cols], axis=-1)
-        if not view.n_stresses:
-            return geometric
-        return geometric + np.sum(self.system.modulus * self.system.strains(self.q).push(shapes) ** 2, axis=-1)
+        return strain_quotients(self.system, self.q, np.zeros(self.system.n), self.inputs, self.stress, self.multipliers, shapes)
+
+
+def strain_quotients(system: System, q: Array, v: Array, inputs: Any, stress: Array, multipliers: Array, shapes: Array) -> Array:
+    """x' K x [k] of shapes [k, n] at a state, the elastic part as energies of strains."""
+    view: System = copy(system)
+    view.modulus = np.zeros_like(view.modulus)
+    values = view.stiffness(q, v, inputs, stress, multipliers)
+    geometric = np.sum(values * shapes[:, view.stiffness_rows] * shapes[:, view.stiffness_cols], axis=-1)
+    if not view.n_stresses:
+        return geometric
+    return geometric + np.sum(system.modulus * system.strains(q).push(shapes) ** 2, axis=-1)

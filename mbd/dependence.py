@@ -34,13 +34,12 @@ class Spaces:
 
 def scaled_gradient(system: System, units: Array, q: Array) -> tuple[Array, Array]:
     """G [m, n] at q, coordinates in these units [n], each equation of size 1; and the sizes [m] that they had."""
-    joints = system.joints
-    dense = np.zeros((system.m, system.n))
-    np.add.at(dense, (joints.rows, joints.cols), joints.at(q).gradient)
-    dense *= units
-    sizes = np.linalg.norm(dense, axis=1)
+    from .solvers.start import dense_gradient
+
+    gradient = dense_gradient(system, q) * units
+    sizes = np.linalg.norm(gradient, axis=1)
     sizes = np.where(sizes > 0.0, sizes, 1.0)
-    return dense / sizes[:, None], sizes
+    return gradient / sizes[:, None], sizes
 
 
 def rank_of(matrix: Array) -> int:

@@ -11,23 +11,21 @@ joints must turn with the scene: all of this is evaluated at later times, turned
 
 from __future__ import annotations
 
-from copy import copy
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from .about import RIGID, strain_quotients
 from .affine import Array
 from .assembly import consistent, prepare
 from .balance import Equilibrium
 from .errors import SceneError
-from .scatter import dense
 from .spin import generator_of, turn_by
 from .state import State
 
 if TYPE_CHECKING:
     from .scene import Scene
     from .solvers.minimal import Minimal
-    from .system import System
 
 LARGEST = 600
 """Coordinates up to which modes about a rotation are found: by dense matrices, whose time grows with the cube."""
@@ -40,9 +38,6 @@ STEADY = 1e-6
 
 NOISE = 1e-12
 """The same as a share of the largest entry of the scaled K: rounding of stresses."""
-
-RIGID = 1e-15
-"""Share of the largest entry of the scaled K below which omega^2 is zero (``about.py``)."""
 
 
 class Turned(NamedTuple):
@@ -103,7 +98,9 @@ class Rotating:
     def _rates(self, q: Array) -> Array:
         """[n]: of the scalar coordinates, so that joints and drives hold while everything turns."""
         system, rates = self.system, np.zeros(self.system.n)
-        gradient = self._gradient(q)
+        from .solvers.start import dense_gradient
+
+        gradient = dense_gradient(system, q)
         slip = np.broadcast_to(self.inputs.targets.rate, system.m) - gradient @ self.generator @ q
         scalars = gradient[:, system.n_table :]
         if scalars.size:
@@ -120,13 +117,10 @@ class Rotating:
             found = f"{self.system.label(k)!r}, which {what.format(gap[k])}"
             raise SceneError([f"spin: expected joints and drives that turn with {self._said}, found {found}; hold the scene on the axis"])
 
-    def _gradient(self, q: Array) -> Array:
-        joints = self.system.joints
-        return dense(joints.rows, joints.cols, joints.at(q).gradient, (self.system.m, self.system.n))
-
     def _at(self, angle: float) -> Turned:
         """The equations after a turn, in the rotating frame."""
-        from .solvers.start import accelerations, mass_factor
+        from .solvers.formats import dense
+        from .solvers.start import accelerations, dense_gradient, mass_factor
 
         system, later = self.system, angle / self.speed
         inputs = system.inputs(self.t + later)
@@ -145,7 +139,7 @@ class Rotating:
         damping = np.zeros(shape)
         if system.damped:
             damping = turn.T @ dense(system.damping_rows, system.damping_cols, system.damping(q, v, inputs), shape) @ turn
-        return Turned(stiffness + damping @ self.generator, damping, self._gradient(q) @ turn, multipliers, left)
+        return Turned(stiffness + damping @ self.generator, damping, dense_gradient(system, q) @ turn, multipliers, left)
 
     def _compared(self) -> Turned:
         """The equations at the start, once they have proved the same after turns."""
@@ -217,12 +211,8 @@ class Rotating:
         """x' (K + D S + M S S) x [k] of shapes [k, n], the elastic part as energies of strains (decision "Frequencies are quotients of strains")."""
         system = self.system
         centrifugal = -np.sum((shapes @ self.generator.T) * system.mass(shapes @ self.generator.T), axis=-1)
-        view: System = copy(system)
-        view.modulus = np.zeros_like(view.modulus)
         v = self.generator @ self.q + self.rates
         stress = system.stress(system.strains(self.q), v) if system.n_stresses else np.zeros(0)
-        values = view.stiffness(self.q, v, self.inputs, stress, self.now.multipliers)
-        geometric = np.sum(values * shapes[:, view.stiffness_rows] * shapes[:, view.stiffness_cols], axis=-1)
-        elastic = np.sum(system.modulus * system.strains(self.q).push(shapes) ** 2, axis=-1) if system.n_stresses else 0.0
+        strained = strain_quotients(system, self.q, v, self.inputs, stress, self.now.multipliers, shapes)
         damped = np.sum((shapes @ self.now.damping) * (shapes @ self.generator.T), axis=-1)
-        return geometric + elastic + damped + centrifugal
+        return strained + damped + centrifugal

@@ -28,10 +28,3 @@ class Scatter:
             index = self._index[count] = (self.target + self.size * np.arange(count)[:, None]).ravel()
         summed: Any = np.bincount(index, local.ravel(), minlength=count * self.size)  # numpy's stub forgets the weights: they are floats
         return summed.reshape(*batch, self.size)
-
-
-def dense(rows: NDArray[np.intp], cols: NDArray[np.intp], values: Array, shape: tuple[int, int]) -> Array:
-    """The matrix of values on a pattern; repeated entries are summed."""
-    out = np.zeros(shape)
-    np.add.at(out, (rows, cols), values)
-    return out

@@ -6,7 +6,6 @@ position (bars in line) and takes over again some steps after it was passed; and
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -14,7 +13,6 @@ import numpy as np
 
 from .formats import Singular
 from .linear import Linear
-from .projected import Memory as ExplicitMemory
 from .projected import ProjectedExplicit
 from .protocol import Attempt, State
 from .radau import Radau, RadauIIA
@@ -79,20 +77,23 @@ class Switching:
             inner = memory.inner if memory.explicit else None
             attempt = self.explicit.step(system, linear, state._replace(memory=inner), h, tolerance)
             if attempt.state is not None:
-                return self._after_explicit(system, linear, attempt, memory.alarms)
+                return self._after_explicit(system, linear, attempt, attempt.state, memory.alarms)
             state, memory = _complete(system, linear, state), Memory(False, None, IMPLICIT_STEPS)
         attempt = self.implicit.step(system, linear, state._replace(memory=memory.inner), h, tolerance)
-        return _remembering(attempt, lambda inner: Memory(False, inner, max(memory.left - 1, 0)), IMPLICIT)
+        if attempt.state is None:
+            return attempt
+        then = Memory(False, attempt.state.memory, max(memory.left - 1, 0))
+        return attempt._replace(state=attempt.state._replace(memory=then, method=IMPLICIT))
 
-    def _after_explicit(self, system: System, linear: Linear, attempt: Attempt, alarms: int) -> Attempt:
+    def _after_explicit(self, system: System, linear: Linear, attempt: Attempt, after: State, alarms: int) -> Attempt:
         """The explicit method goes on, unless its steps were too often as long as stability allows."""
-        inner = attempt.state.memory if attempt.state else None
-        if attempt.error <= 1.0 and isinstance(inner, ExplicitMemory):
-            alarms = alarms + 1 if inner.stiffness > STABLE else max(alarms - 1, 0)
-        if alarms < ALARMS or attempt.state is None:
-            return _remembering(attempt, lambda inner: Memory(True, inner, 0.0, alarms), EXPLICIT)
-        done = attempt._replace(state=_complete(system, linear, attempt.state))
-        return _remembering(done, lambda inner: Memory(False, None, np.inf), EXPLICIT)
+        if attempt.error > 1.0:  # nothing is kept of it
+            return attempt
+        alarms = alarms + 1 if after.memory.stiffness > STABLE else max(alarms - 1, 0)
+        if alarms < ALARMS:
+            return attempt._replace(state=after._replace(memory=Memory(True, after.memory, 0.0, alarms), method=EXPLICIT))
+        done = _complete(system, linear, after)
+        return attempt._replace(state=done._replace(memory=Memory(False, None, np.inf), method=EXPLICIT))
 
     def inside(self, system: System, linear: Linear, before: State, after: State, times: Array) -> tuple[Array, Array]:
         """q, v [n_t, n] at times within a step, as the method that took it finds them."""
@@ -108,9 +109,3 @@ def _complete(system: System, linear: Linear, state: State) -> State:
     except Singular:
         return state
     return state._replace(multipliers=accelerations(system, factor, state.q, state.v, system.inputs(state.t))[1])
-
-
-def _remembering(attempt: Attempt, memory: Callable[[Any], Memory], method: int) -> Attempt:
-    if attempt.state is None:
-        return attempt
-    return attempt._replace(state=attempt.state._replace(memory=memory(attempt.state.memory), method=method))

@@ -19,6 +19,13 @@ class Singular(ArithmeticError):
     """A matrix without inverse, to working precision."""
 
 
+def dense(rows: Index, cols: Index, values: NDArray, shape: tuple[int, int]) -> NDArray:
+    """The matrix of values on a pattern; repeated entries are summed."""
+    out = np.zeros(shape)
+    np.add.at(out, (rows, cols), values)
+    return out
+
+
 class Format(Protocol):
     name: str
     slots: int

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from .formats import Singular
-from .linear import SOFTENING, Factor, Linear, Tangent, _reciprocal_condition
+from .linear import SOFTENING, Factor, Linear, Tangent
 from .system import Array, Index, System
 
 DENSE_UP_TO = 800
@@ -52,15 +52,7 @@ class Kkt:
 
     def factor(self, tangent: Tangent, shift: float = 0.0) -> Factor:
         """Raises Singular."""
-        linear = self.linear
-        buffer, size = self.buffer(tangent, shift)
-        norm = linear.format.norm(buffer)
-        linear.factorizations += 1
-        solve = linear.format.factor(buffer)
-        rcond = _reciprocal_condition(linear.size, norm, solve)
-        if not rcond > self.least:
-            raise Singular(f"reciprocal condition {rcond:.1e}")
-        return Factor(linear, solve, size, rcond)
+        return self.linear.factorised(*self.buffer(tangent, shift), self.least)
 
     @cached_property
     def _pattern(self) -> tuple[Index, Index, Index]:

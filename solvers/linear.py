@@ -120,11 +120,15 @@ class Linear:
             buffer += c_damping * tangent.damping
         if self.softened:
             buffer[self._corner] -= SOFTENING * size
+        return self.factorised(buffer, size, SINGULAR)
+
+    def factorised(self, buffer: NDArray, size: float, least: float) -> Factor:
+        """A filled buffer, factorised; raises Singular unless its reciprocal condition is above ``least``."""
         norm = self.format.norm(buffer)
         self.factorizations += 1
         solve = self.format.factor(buffer)
         rcond = _reciprocal_condition(self.size, norm, solve)
-        if not rcond > SINGULAR:
+        if not rcond > least:
             raise Singular(f"reciprocal condition {rcond:.1e}")
         return Factor(self, solve, size, rcond)
 

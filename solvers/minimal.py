@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .formats import dense
 from .linear import Linear
-from .start import REDUNDANT
+from .start import REDUNDANT, scaled_gradient
 from .system import Array, Index, System
 
 
@@ -30,18 +31,11 @@ def minimal_form(system: System, linear: Linear, q: Array, stiffness: Array, dam
     basis = null_basis(system, linear, q)
 
     def project(rows: Index, cols: Index, values: Array) -> Array:
-        out = np.zeros((basis.shape[1], basis.shape[1]))
-        if rows.size:
-            full = np.zeros((system.n, system.n))
-            np.add.at(full, (rows, cols), values)
-            out = basis.T @ full @ basis
-        return out
+        return basis.T @ dense(rows, cols, values, (system.n, system.n)) @ basis
 
-    none = np.zeros(0)
     mass = project(system.mass_rows, system.mass_cols, system.mass_values)
-    rate = none if damping is None else damping
-    rows, cols = (none.astype(np.intp),) * 2 if damping is None else (system.damping_rows, system.damping_cols)
-    return Minimal(basis, 0.5 * (mass + mass.T), project(rows, cols, rate), project(system.stiffness_rows, system.stiffness_cols, stiffness))
+    rate = np.zeros_like(mass) if damping is None else project(system.damping_rows, system.damping_cols, damping)
+    return Minimal(basis, 0.5 * (mass + mass.T), rate, project(system.stiffness_rows, system.stiffness_cols, stiffness))
 
 
 def null_basis(system: System, linear: Linear, q: Array) -> Array:
@@ -49,9 +43,6 @@ def null_basis(system: System, linear: Linear, q: Array) -> Array:
     scale = linear.scale[: system.n]
     if not system.m:
         return np.diag(scale)
-    scaled = np.zeros((system.m, system.n))
-    np.add.at(scaled, (system.joints.rows, system.joints.cols), system.joints.at(q).gradient)
-    scaled *= linear.scale[system.n :, None] * scale
-    _, sizes, right = np.linalg.svd(scaled)
+    _, sizes, right = np.linalg.svd(scaled_gradient(system, linear, q))
     rank = int(np.sum(sizes > REDUNDANT * sizes[0]))
     return scale[:, None] * right[rank:].T

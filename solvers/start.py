@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .formats import Singular
+from .formats import Singular, dense
 from .linear import Factor, Linear
 from .protocol import State
 from .system import STILL, Array, System, Targets, targets
@@ -161,6 +161,17 @@ def accelerations(system: System, factor: Factor, q: Array, v: Array, inputs: An
     return a, multipliers
 
 
+def dense_gradient(system: System, q: Array) -> Array:
+    """G [m, n] at q."""
+    joints = system.joints
+    return dense(joints.rows, joints.cols, joints.at(q).gradient, (system.m, system.n))
+
+
+def scaled_gradient(system: System, linear: Linear, q: Array) -> Array:
+    """G [m, n] at q, in scaled unknowns."""
+    return dense_gradient(system, q) * (linear.scale[system.n :, None] * linear.scale[: system.n])
+
+
 def redundancy(system: System, linear: Linear, q: Array) -> Defect | None:
     """The equations that are met twice at q, or the coordinates without inertia that nothing holds; None where all is regular.
     A matrix softened before tells nothing: then singular values alone decide."""
@@ -170,11 +181,7 @@ def redundancy(system: System, linear: Linear, q: Array) -> Defect | None:
             return None
         except Singular:
             pass
-    scaled = np.zeros((system.m, system.n))
-    joints = system.joints
-    np.add.at(scaled, (joints.rows, joints.cols), joints.at(q).gradient)
-    scaled *= linear.scale[system.n :, None] * linear.scale[: system.n]
-    left, sizes, right = np.linalg.svd(scaled)
+    left, sizes, right = np.linalg.svd(scaled_gradient(system, linear, q))
     rank = int(np.sum(sizes > REDUNDANT * max(float(sizes.max(initial=0.0)), 1e-300)))
     rows: list[int] = []
     if rank < system.m:

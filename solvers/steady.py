@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.linalg import lstsq
 
+from .formats import dense
 from .linear import Linear
 from .system import Array, System
 
@@ -70,15 +71,13 @@ def _correction(problem: SteadyProblem, q: Array, multipliers: Array, generator:
     v = generator @ q + rates
     strains, joints = system.strains(q), system.joints.at(q)
     stress = system.stress(strains, v) if system.n_stresses else np.zeros(0)
-    matrix = np.zeros((n + m, n + m))
-    np.add.at(matrix, (system.stiffness_rows, system.stiffness_cols), system.stiffness(q, v, problem.inputs, stress, multipliers))
+    values = system.stiffness(q, v, problem.inputs, stress, multipliers)
+    stiffness = dense(system.stiffness_rows, system.stiffness_cols, values, (n, n)) + centrifugal
     if system.damped:
-        damping = np.zeros((n, n))
-        np.add.at(damping, (system.damping_rows, system.damping_cols), system.damping(q, v, problem.inputs))
-        matrix[:n, :n] += damping @ generator
-    matrix[:n, :n] += centrifugal
-    np.add.at(matrix, (system.joints.rows + n, system.joints.cols), joints.gradient)
-    matrix[:n, n:] = matrix[n:, :n].T
+        damping = system.damping(q, v, problem.inputs)
+        stiffness += dense(system.damping_rows, system.damping_cols, damping, (n, n)) @ generator
+    gradient = dense(system.joints.rows, system.joints.cols, joints.gradient, (m, n))
+    matrix = np.block([[stiffness, gradient.T], [gradient, np.zeros((m, m))]])
     force = system.force(q, v, problem.inputs) - centrifugal @ q
     right = np.concatenate((force, problem.inputs.targets.value - joints.value))
     if not (np.isfinite(matrix).all() and np.isfinite(right).all()):
