@@ -44,6 +44,8 @@ if TYPE_CHECKING:
     )
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
+    from .files import read_scene, write_scene
+    from .functions import Expression, Ramp, Sine, SmoothStep, Spline, Table
     from .joints import (
         Actuator,
         Angle,
@@ -129,6 +131,8 @@ _HOMES = {
     "solvers": ("Automatic", "DormandPrince", "Gauss", "GeneralizedAlpha", "Radau"),
     "errors": ("SceneError", "SceneWarning", "SimulationError"),
     "event": ("Event",),
+    "functions": ("Expression", "Ramp", "Sine", "SmoothStep", "Spline", "Table"),
+    "files": ("read_scene", "write_scene"),
     "signal": ("piecewise",),
     "marker": ("Marker",),
     "archive": ("load",),
@@ -172,6 +176,7 @@ __all__ = [
     "DormandPrince",
     "Equilibrium",
     "Event",
+    "Expression",
     "FloatingFrameBeam",
     "Force",
     "ForceLaw",
@@ -194,6 +199,7 @@ __all__ = [
     "Prescribed",
     "Rack",
     "Radau",
+    "Ramp",
     "Result",
     "RigidBody",
     "Rolling",
@@ -201,11 +207,15 @@ __all__ = [
     "SceneError",
     "SceneWarning",
     "SimulationError",
+    "Sine",
     "Slider",
+    "SmoothStep",
+    "Spline",
     "Spring",
     "State",
     "Stop",
     "Structure",
+    "Table",
     "Torque",
     "TorsionSpring",
     "Universal",
@@ -223,8 +233,10 @@ __all__ = [
     "load",
     "modes",
     "piecewise",
+    "read_scene",
     "simulate",
     "work_precision",
+    "write_scene",
 ]
 
 
