@@ -62,7 +62,7 @@ def save(result: Result, path: str | os.PathLike[str]) -> None:
         arrays |= {name: np.concatenate(parts) for name, parts in zip(EVENTS, zip(*result.events.values()))}
     text = json.dumps(head, default=_plain)
     rows = {name: np.ascontiguousarray(array, dtype="<f8") for name, array in arrays.items()}
-    with _replacing(Path(path).resolve()) as file:
+    with replacing(Path(path).resolve()) as file:
         np.savez(file, allow_pickle=False, head=np.frombuffer(text.encode(), dtype=np.uint8), **rows)
 
 
@@ -95,7 +95,7 @@ def _head(result: Result) -> dict[str, Any]:
 
 
 @contextmanager
-def _replacing(path: Path) -> Iterator[io.BufferedWriter]:
+def replacing(path: Path) -> Iterator[io.BufferedWriter]:
     """A file that takes the place of the one at the path when it is complete: whoever is killed leaves the old one or the new one."""
     part = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     try:
