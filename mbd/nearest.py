@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from difflib import get_close_matches
 
-LISTED = 16
+LISTED, COMPARED = 16, 500
+"""Names that a message lists, and names among which a near one is looked for: it takes time."""
 
 
 def listed(known: Collection[str]) -> str:
@@ -16,5 +17,8 @@ def listed(known: Collection[str]) -> str:
 
 def nearest(word: str, known: Collection[str]) -> str:
     """'; did you mean ...?', or nothing where no name is near."""
-    found = get_close_matches(word[:100], list(known), n=1)
-    return f"; did you mean {found[0]!r}?" if found else ""
+    if len(known) > COMPARED:
+        return ""
+    small = {name.lower(): name for name in known}
+    found = get_close_matches(word[:100].lower(), list(small), n=1)
+    return f"; did you mean {small[found[0]]!r}?" if found else ""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -28,15 +27,20 @@ class Builder:
 
     def add(self, k: int, fits: bool) -> None:
         """The k-th item; one that does not fit the model is left out, and so is what names it."""
-        description = self._description(k) if fits else None
+        name = self.items[k].get("name") if isinstance(self.items[k], dict) else None
+        description = self._description(k) if fits and not self._taken(k, name) else None
         if description is None:
-            name = self.items[k].get("name") if isinstance(self.items[k], dict) else None
             self.finder.refuse(name)
             return
         item = self.scene.add(description)
         self._homes[f"{description.kind} {item.name!r}: "] = k
         if not isinstance(item, Misfit) or item.name == description.name:
             self.finder.known[item.name] = item
+
+    def _taken(self, k: int, name: Any) -> bool:
+        if name in self.finder.known:
+            self.complain(("items", k, "name"), f"expected a name that no item before this one has, found {name!r} again; rename one")
+        return name in self.finder.known
 
     def _description(self, k: int) -> Any:
         data = self.items[k]
@@ -47,7 +51,8 @@ class Builder:
             return ITEMS[data["kind"]].make(**values)
         except (SceneError, TypeError, ValueError, ArithmeticError, LookupError) as error:
             for line in str(error).splitlines():
-                self.complain(("items", k), line if isinstance(error, SceneError) else f"expected other values, found some that fail ({line})")
+                told = line if isinstance(error, SceneError) else f"expected other values, found some that fail ({line})"
+                self.complain(*self._at_field(k, told, f"{ITEMS[data['kind']].noun} {data.get('name')!r}: "))
             return None
 
     def _fields(self, k: int, data: dict[str, Any]) -> dict[str, Any] | None:
@@ -91,15 +96,22 @@ class Builder:
             except SceneError as error:
                 lines = error.complaints
         for line in lines:
-            self.complain(self._home(line), line)
+            self.complain(*self._home(line))
 
-    def _home(self, line: str) -> Key:
-        """The item, and its field, that a complaint of the scene is about."""
+    def _home(self, line: str) -> tuple[Key, str]:
+        """The item, and its field, that a complaint of the scene is about, and the rest of the complaint."""
+        if line.startswith("scene: gravity: "):
+            return ("gravity",), line.removeprefix("scene: gravity: ")
         for prefix, k in self._homes.items():
             if line.startswith(prefix):
-                field = re.match(r"(\w+): ", line[len(prefix) :])
-                return ("items", k, field[1]) if field and field[1] in self.items[k] else ("items", k)
-        return ("gravity",) if line.startswith("scene: gravity") else ()
+                return self._at_field(k, line, prefix)
+        return (), line
+
+    def _at_field(self, k: int, line: str, prefix: str) -> tuple[Key, str]:
+        """A complaint without what its place says already: the item, and the field that it names first."""
+        line = line.removeprefix(prefix)
+        field, _, rest = line.partition(": ")
+        return (("items", k, field), rest) if field in self.items[k] else (("items", k), line)
 
 
 def law_variables(data: dict[str, Any]) -> tuple[str, ...]:

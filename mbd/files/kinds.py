@@ -26,13 +26,16 @@ class Field(NamedTuple):
 
 
 class Kind(NamedTuple):
+    """``noun`` is what messages call it."""
+
     make: Callable[..., Any]
     fields: dict[str, Field]
+    noun: str
 
 
 def _kind(cls: Any) -> Kind:
     hints = get_type_hints(cls, include_extras=True)
-    return Kind(cls, {field.name: _field(hints[field.name], _default(field)) for field in fields(cls)})
+    return Kind(cls, {field.name: _field(hints[field.name], _default(field)) for field in fields(cls)}, getattr(cls, "kind", cls.__name__))
 
 
 def _default(field: Any) -> Any:
@@ -63,7 +66,7 @@ def _constructor(name: str, *motion: str) -> Kind:
     make = getattr(RigidBody, name)
     hints, body = get_type_hints(make, include_extras=True), _kind(RigidBody).fields
     given = {p.name: _field(hints[p.name], p.default) for p in inspect.signature(make).parameters.values() if p.kind is not p.VAR_KEYWORD}
-    return Kind(make, given | {other: body[other] for other in (*motion, "velocity", "angular_velocity", "name")})
+    return Kind(make, given | {other: body[other] for other in (*motion, "velocity", "angular_velocity", "name")}, RigidBody.kind)
 
 
 ITEMS: dict[str, Kind] = {name: _kind(cls) for name, cls in KINDS.items()} | {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import Annotated, Any, Literal, Union
 
@@ -148,17 +148,17 @@ def _plain(part: Any) -> Any:
     }
 
 
-def complaints(data: dict[str, Any]) -> list[tuple[Key, str]]:
-    """(key, what is wrong) of everything that does not fit the model."""
+def complaints(data: dict[str, Any], most: int) -> list[tuple[Key, str]]:
+    """(key, what is wrong) of everything that does not fit the model, but not of more than ``most``."""
     try:
         document().model_validate(data)
     except ValidationError as error:
-        return list(_in_words(data, error))
+        return list(_in_words(data, error.errors(include_url=False, include_input=False)[:most]))
     return []
 
 
-def _in_words(data: Any, error: ValidationError) -> Iterator[tuple[Key, str]]:
-    for one in error.errors(include_url=False):
+def _in_words(data: Any, errors: Sequence[Any]) -> Iterator[tuple[Key, str]]:
+    for one in errors:
         key, found = _key(data, one["loc"], one["type"])
         yield key, _sentence(one, key, found, one["loc"])
 
@@ -184,10 +184,14 @@ def _sentence(one: Any, key: Key, found: Any, loc: tuple[int | str, ...]) -> str
         known = _kinds_at(loc)
         kind = found.get("kind") if isinstance(found, dict) else None
         shown = validate.show(kind) if kind is not None else "none" if isinstance(found, dict) else shown
-        return f"kind: expected one of {listed(known)}; found {shown}{nearest(str(kind), known)}"
+        return f"kind: expected one of {listed(known)}; found {shown}{nearest(kind, known) if isinstance(kind, str) else ''}"
     if one["type"] == "expected":
         return f"expected {context['expected']}; found {shown}"
-    return f"expected other data ({one['msg']}); found {shown}"
+    if one["type"] in ("too_short", "too_long"):
+        limit = f"at least {context['min_length']}" if one["type"] == "too_short" else f"at most {context['max_length']}"
+        return f"expected {limit} of them; found {context['actual_length'] or 'more'}"
+    what = {"list_type": "a list", "dict_type": "a table", "model_type": "a table", "model_attributes_type": "a table"}.get(one["type"])
+    return f"expected {what or 'other data (' + one['msg'] + ')'}; found {shown}"
 
 
 def _kinds_at(loc: tuple[int | str, ...]) -> list[str]:

@@ -68,9 +68,14 @@ class _Reading:
 
     def told(self) -> list[str]:
         """The complaints with their places, in the order of the lines."""
-        lines = [f"{self.source.where(key)}: {what}" for key, what in sorted(self.complaints, key=lambda one: self.source.line(one[0]))]
-        more = len(lines) - MOST_COMPLAINTS
-        return lines[:MOST_COMPLAINTS] + ([f"and {more} more"] if more > 0 else [])
+        ordered = sorted(self.complaints, key=lambda one: self.source.line(one[0]))
+        lines = [f"{self.source.where(key)}: {what}" for key, what in ordered[:MOST_COMPLAINTS]]
+        return lines + (["and more: correct these first"] if self.tired else [])
+
+    @property
+    def tired(self) -> bool:
+        """Whether there are more complaints than anyone reads: the rest of the file is left alone then."""
+        return len(self.complaints) >= MOST_COMPLAINTS
 
     def attempt(self, key: Key, action: Callable[[], Any], otherwise: Any = None) -> Any:
         """What an action returns, or a complaint about its place."""
@@ -83,7 +88,7 @@ class _Reading:
         return otherwise
 
     def job(self) -> Job:
-        wrong = model.complaints(self.data)
+        wrong = model.complaints(self.data, MOST_COMPLAINTS)
         for place, what in wrong:
             self.complain(place, what)
         self.wrong = {place[:k] for place, _ in wrong for k in (1, 2, 3)}
@@ -93,7 +98,8 @@ class _Reading:
         items = self.data.get("items")
         builder = Builder(scene, values, items if isinstance(items, list) else [], self.complain)
         for k in range(len(builder.items)):
-            builder.add(k, ("items", k) not in self.wrong)
+            if not self.tired:
+                builder.add(k, ("items", k) not in self.wrong)
         builder.judge(complete=not self.complaints)
         return Job(scene, dict(values.constants), **self._simulate(values, builder))
 

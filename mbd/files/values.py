@@ -37,8 +37,9 @@ def parameters(given: Mapping[str, Any], complain: Callable[[str, str], None], r
     try:
         TopologicalSorter({name: need & waiting.keys() for name, need in waiting.items()}).prepare()
     except CycleError as error:
-        circle = list(reversed(error.args[1]))
-        complain(circle[0], f"expected parameters that do not need each other in a circle, found {' -> '.join(circle)}")
+        first, *others = reversed(error.args[1])
+        shown = [first, *(others if len(others) <= 8 else [*others[:4], "...", *others[-3:]])]
+        complain(first, f"expected parameters that do not need each other in a circle, found {' -> '.join(shown)}")
     return found
 
 

@@ -43,7 +43,7 @@ def speeds() -> mbd.Scene:
         wheel = scene.add(mbd.RigidBody(mass=1.0, inertia=0.1, position=(k, 0)))
         scene.add(mbd.Pin(wheel.at(), scene.ground.at(k, 0)))
         scene.add(mbd.Motor(wheel, scene.ground, **{name: mbd.Expression(text) for name, text in words.items()}))
-    ball = scene.add(mbd.Particle(1.0, (5.0, 0.0), name="a \"strange\" name.at(3) \\ é\n\x7f"))
+    ball = scene.add(mbd.Particle(1.0, (5.0, 0.0), name='a "strange" name.at(3) \\ é\n\x7f'))
     scene.add(mbd.Prescribed(ball.at(), mbd.Expression(["5 + t", "t * k"], constants={"k": 2.0})))
     body = scene.add(mbd.RigidBody(mass=1.0, inertia=0.1, position=(9, 0), name="b.end"))
     scene.add(mbd.Prescribed(body.at(), (9.0, 0.0), angle=mbd.Expression("t")))
