@@ -189,7 +189,7 @@ def _sentence(one: Any, key: Key, found: Any, loc: tuple[int | str, ...]) -> str
         return f"expected {context['expected']}; found {shown}"
     if one["type"] in ("too_short", "too_long"):
         limit = f"at least {context['min_length']}" if one["type"] == "too_short" else f"at most {context['max_length']}"
-        return f"expected {limit} of them; found {context['actual_length'] or 'more'}"
+        return f"expected {limit}; found {len(found) if isinstance(found, (list, dict)) else 'others'}"
     what = {"list_type": "a list", "dict_type": "a table", "model_type": "a table", "model_attributes_type": "a table"}.get(one["type"])
     return f"expected {what or 'other data (' + one['msg'] + ')'}; found {shown}"
 

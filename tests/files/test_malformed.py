@@ -257,7 +257,7 @@ def mutations() -> list[Any]:
             free = (key[-1] == "name" and isinstance(strange, str)) or (key[-2:-1] == ("parameters",) and isinstance(strange, float))
             if not free:
                 what = shown.removeprefix("simulate.outputs.") if key[0] == "simulate" else shown
-                if len(key) > 2 and (key[-1] == "kind" or strange == []):  # the item is named, perhaps by another field of it
+                if key[0] == "items" and len(key) > 2 and (key[-1] == "kind" or strange == []):  # the item is named, perhaps by another field of it
                     what = "items["
                 found.append((f"{path.stem} {shown} is {strange}", changed(data, key, lambda home, name, s=strange: home.update({name: s})), what))
             if key[0] != "parameters" and key[:2] != ("simulate", "outputs"):
