@@ -26,5 +26,9 @@ class SimulationError(RuntimeError):
         super().__init__(f"t = {self.time:.9g}{where}: {what}{hint}")
 
 
+class Interrupted(SimulationError):
+    """A run that was stopped from the keyboard; ``result`` holds what it had reached."""
+
+
 class SceneWarning(UserWarning):
     """Something in the scene that runs but that its author should know: redundant joints, a corrected start."""

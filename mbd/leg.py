@@ -10,7 +10,7 @@ import numpy as np
 
 from .affine import Array
 from .assembly import Assembly
-from .errors import SimulationError
+from .errors import Interrupted, SimulationError
 from .event import Event
 from .parts import Part
 from .signal import OneSided, discontinuities, stops
@@ -82,7 +82,7 @@ def _march(
         return error
     except KeyboardInterrupt:
         advice = "The partial result is in .result; continue with start=result.final"
-        return SimulationError("interrupted", time=record.states[-1].t, advice=advice)
+        return Interrupted("interrupted", time=record.states[-1].t, advice=advice)
     return _failure(system, record) if record.failure else None
 
 

@@ -43,7 +43,7 @@ def simulate(
     t_eval    times [n_t] that ``result.t`` shall hold, ascending; None: the accepted steps
     start     a state such as ``result.final``; None: positions and velocities as described
     events    mbd.Event(...) each: zero crossings to record in ``result.events``, or to stop at
-    progress  a bar on the terminal (needs tqdm)
+    progress  a bar on the terminal, silent where standard error is none (needs tqdm)
 
     Parts of the scene that nothing but the ground connects are integrated separately, each with steps and a default solver of its own; with
     events, which see all of the state, the scene is integrated as one.
@@ -157,17 +157,19 @@ def _warn_of_doubts(result: Result) -> None:
 
 
 class _Bar:
-    """Simulated time on the terminal, of several parts the mean."""
+    """Simulated time and the last step on the terminal, of several parts the mean, with the time that is left; nothing where there is none."""
 
     def __init__(self, t_start: float, t_end: float, parts: int):
         from tqdm import tqdm
 
         self._start = self._t = t_start
         self._parts = parts
-        self._bar = tqdm(total=t_end - t_start, unit="s", bar_format="{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]")
+        form = "{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}{postfix}]"
+        self._bar = tqdm(total=t_end - t_start, unit="s", bar_format=form, disable=None)
 
     def __call__(self, t: float) -> None:
         before = self._t if t > self._t else self._start  # of the next part
+        self._bar.set_postfix_str(f"step {t - before:.1e} s", refresh=False)
         self._bar.update((t - before) / self._parts)
         self._t = t
 

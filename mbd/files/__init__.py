@@ -4,7 +4,8 @@ Files are data: reading one never runs code. Their model is made of the fields o
 (``model.py``), and formulas are parsed (``mbd.functions.language``). docs/guide/scene_files.md tells how to write them.
 """
 
-from .reading import Job, read, read_scene
+from ..job import Job
+from .reading import read, read_scene
 from .writing import write_scene
 
 __all__ = ["Job", "read", "read_scene", "write_scene"]

@@ -8,6 +8,7 @@ from typing import Any
 
 from .. import validate
 from ..errors import SceneError
+from ..functions.language import arguments
 from ..marker import Marker
 from ..nearest import nearest
 from ..scene import Scene
@@ -63,18 +64,6 @@ class Finder:
         except (AttributeError, TypeError) as error:
             expected = "'.start', '.end' or '.at(s)' behind a cable or a beam, '.at(x, y)' or '.at(x, y, z)' behind a body, none behind a particle"
             raise ValueError(f"expected {expected}; found {validate.show(text)}") from error
-
-
-def arguments(text: str) -> list[str]:
-    """The texts between commas that are not in brackets."""
-    parts, depth = [""], 0
-    for sign in text:
-        depth += (sign == "(") - (sign == ")")
-        if sign == "," and depth == 0:
-            parts.append("")
-        else:
-            parts[-1] += sign
-    return parts if text.strip() else []
 
 
 def short(value: Any) -> Any:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from ..errors import SceneError
-from ..marker import Marker
+from ..job import Job
 from ..scene import Scene
 from . import model
 from .items import Builder
@@ -20,18 +19,6 @@ from .text import Key, Source
 from .values import Leaning, Values, parameters
 
 MOST_COMPLAINTS = 100
-
-
-@dataclass(frozen=True)
-class Job:
-    """A scene from a file, with the values of its parameters and what its table ``simulate`` says; None where it says nothing."""
-
-    scene: Scene
-    parameters: dict[str, float] = field(default_factory=dict)
-    t_end: float | None = None
-    rtol: float | None = None
-    solver: Any = None
-    outputs: dict[str, Marker] = field(default_factory=dict)
 
 
 def read_scene(path: str | os.PathLike[str], overrides: Mapping[str, Any] | None = None) -> Scene:

@@ -94,6 +94,18 @@ def finite(closure: Closure, values: Sequence[Any]) -> Any:
     return value
 
 
+def arguments(text: str) -> list[str]:
+    """The texts between commas that are not in brackets."""
+    parts, depth = [""], 0
+    for sign in text:
+        depth += (sign == "(") - (sign == ")")
+        if sign == "," and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += sign
+    return parts if text.strip() else []
+
+
 def _tree(text: str) -> ast.expr:
     if len(text) > LONGEST:
         raise ValueError(f"expected a formula of at most {LONGEST} characters, found {len(text)}")
