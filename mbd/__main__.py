@@ -52,10 +52,12 @@ EPILOG = "Exit codes: 0 done; 1 stopped early, or something was found; 2 nothing
 
 def _told(error: Exception) -> int:
     """What is wrong, on standard error, without a traceback; and the exit code."""
-    for line in str(error).splitlines():
-        print(f"mbd: {line}", file=sys.stderr)
     if isinstance(error, Interrupted):
+        print(f"mbd: stopped from the keyboard at t = {error.time:g} s", file=sys.stderr)
         return INTERRUPTED
+    what = f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else str(error)
+    for line in what.splitlines():
+        print(f"mbd: {line}", file=sys.stderr)
     return STOPPED if isinstance(error, SimulationError) else REFUSED
 
 

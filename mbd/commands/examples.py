@@ -10,6 +10,7 @@ import sys
 from importlib.resources import as_file, files
 from importlib.resources.abc import Traversable
 from pathlib import Path
+from textwrap import shorten
 
 from ..nearest import nearest
 
@@ -53,7 +54,7 @@ def headline(source: Traversable) -> str:
         return headline(source.joinpath("__main__.py"))
     text = source.read_text(encoding="utf-8")
     told = text.removeprefix("# ").replace("\n# ", " ") if source.name.endswith(".toml") else ast.get_docstring(ast.parse(text)) or ""
-    return re.split(r"(?<=[a-z0-9)])\. |\n", told)[0].rstrip(".:")
+    return shorten(re.split(r"(?<=[a-z0-9)])\. |\n", told)[0].rstrip(".:"), 120, placeholder=" ...")
 
 
 def _copy(name: str, found: dict[str, Traversable], folder: Path) -> int:
