@@ -279,7 +279,7 @@ def test_examples_are_listed_in_words_and_copied(folder: Path, capsys) -> None:
     lines = capsys.readouterr().out.splitlines()
     assert {"pendulum", "four_bar", "slider_crank", "heavy_top", "double_pendulum", "escalona_1998"} <= {line.split()[0] for line in lines}
     assert len(lines) == len(list((ROOT / "examples").glob("*.py"))) + len(list((ROOT / "examples" / "scenes").glob("*.toml"))) + 1
-    assert all(len(line) < 180 and not line.endswith((".", ":")) or line.endswith(" ...") for line in lines), lines
+    assert all((len(line) < 180 and not line.endswith((".", ":"))) or line.endswith(" ...") for line in lines), lines
     assert main(["examples", "copy", "four_bar.py", "escalona_1998", "heavy_top.toml"]) == 0
     assert {path.name for path in folder.iterdir()} == {"four_bar.py", "escalona_1998", "heavy_top.toml", "pendulum.toml"}
     assert (folder / "escalona_1998" / "reference.json").exists()

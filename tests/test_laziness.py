@@ -23,7 +23,7 @@ from mbd.constraint import Quadratic
 from mbd.solvers.linear import Linear
 from mbd.system import System
 
-HEAVY = ("sympy", "networkx", "matplotlib", "tqdm", "scipy.sparse", "scipy.integrate", "scipy.optimize")
+HEAVY = ("sympy", "networkx", "matplotlib", "tqdm", "pydantic", "scipy.sparse", "scipy.integrate", "scipy.optimize")
 FOLDERS = {name: Path(module.__file__ or "").parent for name, module in vars(mbd).items() if name in ("elements", "joints", "solvers")}
 FOLDERS["mbd"] = Path(mbd.__file__ or "").parent
 
@@ -195,8 +195,22 @@ def test_derivations_are_imported_by_commands_that_run_and_by_name_only():
 
 
 def test_usage_is_told_without_sympy(tmp_path):
+    """Nor with any other package that one command wants."""
     code = "import mbd.__main__\ntry: mbd.__main__.main(['--help'])\nexcept SystemExit: pass"
     assert not loaded(code, tmp_path) & set(HEAVY)
+
+
+def test_only_scene_files_want_pydantic():
+    """In one module; the functions that may stand in files are the library's own, without it."""
+    homes = [(path, f"mbd.{path.parent.name}") for folder in ("commands", "files", "functions") for path in FOLDERS["mbd"].glob(f"{folder}/*.py")]
+    found = {path.name for path, package in homes for module, _ in imports(path, package) if module.split(".")[0].startswith("pydantic")}
+    assert found == {"model.py"}
+    assert not offences(lambda folder, file, module, inside: not module.startswith("pydantic"))
+
+
+def test_nothing_inside_the_library_imports_its_face():
+    """Scene files and commands: by name only, from ``mbd/__init__.py``'s table."""
+    assert not offences(lambda folder, file, module, inside: not module.startswith(("mbd.files", "mbd.commands")) or file == "__main__.py")
 
 
 def test_sparse_matrices_are_imported_where_the_format_was_chosen():

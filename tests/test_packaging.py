@@ -19,7 +19,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-FOLDERS = {"mbd": "mbd", "elements": "mbd/elements", "joints": "mbd/joints", "solvers": "mbd/solvers"}
+FOLDERS = {"mbd": "mbd", "elements": "mbd/elements", "examples": "mbd/examples", "joints": "mbd/joints", "solvers": "mbd/solvers"}
 LEFT_OUT = shutil.ignore_patterns(".git", ".*_cache", "__pycache__", "*.egg-info", "build", "dist", ".venv", "venv")
 
 # Loads everything, runs a scene, and says where each module came from.
@@ -113,7 +113,9 @@ def test_the_wheel_holds_the_package_and_nothing_else(dists, tree):
         info = next(name.split("/")[0] for name in names if ".dist-info/" in name)
         metadata = wheel.read(f"{info}/METADATA").decode()
     package = {name for name in names if not name.startswith(f"{info}/")}
-    assert package == {f"{home}/{name}" for folder, home in FOLDERS.items() for name in modules(tree / folder)} | {"mbd/py.typed"}
+    code = {f"{home}/{name}" for folder, home in FOLDERS.items() for name in modules(tree / folder)}
+    data = {f"mbd/examples/{path.relative_to(tree / 'examples')}" for kind in ("toml", "json") for path in (tree / "examples").rglob(f"*.{kind}")}
+    assert package == code | data | {"mbd/py.typed"} and len(data) > 5
     assert f"{info}/licenses/LICENSE" in names
     assert "License-Expression: BSD-3-Clause\n" in metadata
 
@@ -155,6 +157,13 @@ def test_editable_install_from_elsewhere(editable, tree, tmp_path):
 
 def test_editable_install_from_the_root(editable, tree):
     assert is_source_layout(where(editable, tree), tree)
+
+
+def test_examples_are_found_in_every_install(installed, editable, tree, tmp_path):
+    code = "from mbd.commands.examples import examples; print(*sorted(examples()))"
+    expected = {path.stem for path in (tree / "examples" / "scenes").glob("*.toml")} | {"escalona_1998", "bricard"}
+    for python, cwd, path in ((sys.executable, tmp_path, installed), (editable, tmp_path, None), (sys.executable, tree, None)):
+        assert expected <= set(run(python, "-c", code, cwd=cwd, path=path).stdout.split())
 
 
 @pytest.mark.parametrize("name", ["elements", "joints", "solvers", "mbd.mbd"])
