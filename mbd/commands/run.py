@@ -30,7 +30,7 @@ def run(options: argparse.Namespace) -> int:
     from ..run import simulate
 
     job = job_of(options)
-    more = {} if job.rtol is None else {"rtol": job.rtol}
+    more: dict[str, Any] = {} if job.rtol is None else {"rtol": job.rtol}
     try:
         result = simulate(job.scene, end_of(job), solver=job.solver, progress=_shows_progress(options.progress), **more)
     except SimulationError as error:
@@ -50,7 +50,7 @@ def _shows_progress(wanted: bool | None) -> bool:
     return wanted
 
 
-def _keep(result: Result, job: Job, options: argparse.Namespace) -> None:
+def _keep(result: Any, job: Job, options: argparse.Namespace) -> None:
     """Says what a run gave, and writes what is asked for."""
     print(summary(result, job))
     if options.out:

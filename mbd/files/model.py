@@ -70,8 +70,9 @@ def expected(words: frozenset[str]) -> str:
 
 def _type(field: Field) -> Any:
     if field.choices:
-        return Annotated[Literal[field.choices], _told(f"one of {', '.join(map(repr, field.choices))}")]
-    plain = Annotated[_any_of(WORDS[word][0] for word in sorted(field.words)), _told(expected(field.words))]
+        words: Any = Literal[field.choices]
+        return Annotated[words, _told(f"one of {', '.join(map(repr, field.choices))}")]
+    plain: Any = Annotated[_any_of(WORDS[word][0] for word in sorted(field.words)), _told(expected(field.words))]
     named = ("Expression",) if "law" in field.words else tuple(FUNCTIONS) if "function" in field.words else ()
     if not named:
         return plain
@@ -95,7 +96,7 @@ def _model(name: str, kind: Kind) -> type[BaseModel]:
     """The fields of a kind, with ``kind``, which names it."""
     entries = {key: (_type(field), ... if field.required else field.default) for key, field in kind.fields.items()}
     told = inspect.cleandoc(kind.make.__doc__ or "")
-    return create_model(name, __config__=STRICT, __doc__=told, kind=(Literal[name], ...), **entries)  # type: ignore[call-overload]
+    return _table(name, told, kind=(Literal[name], ...), **entries)
 
 
 def _one_of(models: dict[str, type[BaseModel]]) -> Any:
@@ -109,25 +110,33 @@ def document() -> type[BaseModel]:
     items, solvers = _models(ITEMS), _models(SOLVERS)
     for model in (*functions.values(), *items.values()):
         model.model_rebuild(_types_namespace=functions)
-    outputs = dict[Name, Annotated[Name, _told(WORDS["marker"][1])]]
-    simulate = create_model(
+    outputs: Any = dict[Name, Annotated[Name, _told(WORDS["marker"][1])]]
+    numbers: Any = dict[Name, Number]
+    several: Any = list[_one_of(items)]  # type: ignore[misc]
+    simulate = _table(
         "simulate",
-        __config__=STRICT,
-        __doc__="How `mbd run` and the other commands run the scene, unless told otherwise; `outputs` names markers.",
+        "How `mbd run` and the other commands run the scene, unless told otherwise; `outputs` names markers.",
         t_end=(Number, None),
         rtol=(Number, None),
         solver=(_one_of(solvers), None),
-        outputs=(Annotated[outputs, Constraint(max_length=MOST["outputs"])], None),
+        outputs=(_limited(outputs, "outputs"), None),
     )
-    return create_model(
+    return _table(
         "scene",
-        __config__=STRICT,
-        __doc__="A scene of mbd: gravity with two components (planar) or three (spatial), and items in an order in which each names earlier ones.",
+        "A scene of mbd: gravity with two components (planar) or three (spatial), and items in an order in which each names earlier ones.",
         gravity=(Vector, ...),
-        parameters=(Annotated[dict[Name, Number], Constraint(max_length=MOST["parameters"])], None),
-        items=(Annotated[list[_one_of(items)], Constraint(min_length=1, max_length=MOST["items"])], ...),  # type: ignore[misc]
+        parameters=(_limited(numbers, "parameters"), None),
+        items=(_limited(several, "items", 1), ...),
         simulate=(simulate, None),
     )
+
+
+def _table(title: str, told: str, /, **entries: Any) -> type[BaseModel]:
+    return create_model(title, __config__=STRICT, __doc__=told, **entries)  # type: ignore[call-overload]
+
+
+def _limited(kind: Any, name: str, least: int = 0) -> Any:
+    return Annotated[kind, Constraint(min_length=least, max_length=MOST[name])]
 
 
 def schema() -> dict[str, Any]:
@@ -206,5 +215,5 @@ def _fields_at(loc: tuple[int | str, ...]) -> list[str]:
         for kinds in (FUNCTIONS, ITEMS, SOLVERS):
             if part in kinds:
                 return ["kind", *kinds[str(part)].fields]
-    home = document() if len(loc) == 1 else document().model_fields["simulate"].annotation
-    return list(home.model_fields)  # type: ignore[union-attr]
+    home: Any = document() if len(loc) == 1 else document().model_fields["simulate"].annotation
+    return list(home.model_fields)

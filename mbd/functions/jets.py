@@ -38,13 +38,17 @@ class Jet(NamedTuple):
         first = self.first * v.value + self.value * v.first
         return Jet(self.value * v.value, first, self.second * v.value + 2.0 * self.first * v.first + self.value * v.second)
 
-    __radd__, __rmul__ = __add__, __mul__  # type: ignore[assignment]
+    def __radd__(self, other: float) -> Jet:
+        return self + other
+
+    def __rmul__(self, other: float) -> Jet:  # type: ignore[override]
+        return self * other
 
     def __truediv__(self, other: Jet | float) -> Jet:
-        return self * power(jet(other), -1.0)
+        return self * jet(power(jet(other), -1.0))
 
     def __rtruediv__(self, other: float) -> Jet:
-        return power(self, -1.0) * other
+        return jet(power(self, -1.0)) * other
 
 
 def jet(x: Jet | float) -> Jet:
