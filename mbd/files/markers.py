@@ -16,7 +16,7 @@ from .values import Leaning, Values
 
 ENDS = {"start": 0.0, "end": 1.0}
 WHOLE = 1e15
-PATTERN = re.compile(r"(?P<item>.+)\.(?:(?P<end>start|end)|at\((?P<numbers>[^;]*)\))", re.DOTALL)
+PATTERN = re.compile(r"(?P<item>.+)\.(?:(?P<end>start|end)|at\((?P<numbers>.*)\))", re.DOTALL)
 
 
 class Finder:
@@ -43,9 +43,9 @@ class Finder:
         raise ValueError(f"expected the name of an item before this one, found {validate.show(name)}{advice}")
 
     def marker(self, text: str) -> Marker:
-        match = PATTERN.fullmatch(text.strip())
+        match = PATTERN.fullmatch(text)
         if match is None or text in self.known:
-            return self._at(self.item(text.strip()), text, ())
+            return self._at(self.item(text), text, ())
         item = self.item(match["item"])
         if match["end"]:
             return self._end(item, text, match["end"])
@@ -78,5 +78,5 @@ def marker_text(item: str, numbers: list[float], ends: bool) -> str:
         for end, s in ENDS.items():
             if numbers == [s]:
                 return f"{item}.{end}"
-    alone = not numbers and not PATTERN.fullmatch(item) and item == item.strip()
+    alone = not numbers and not PATTERN.fullmatch(item)
     return item if alone else f"{item}.at({', '.join(repr(short(number)) for number in numbers)})"

@@ -54,14 +54,29 @@ def _data(scene: Scene) -> dict[str, Any]:
     if unknown := functions(items):
         advice = "use mbd.Expression, mbd.Sine, ... instead"
         raise SceneError([f"{name!r}: expected functions that can be written, found one of the user's own; {advice}" for name in unknown])
-    beams = {item.name for item in scene.items if hasattr(item, "start")}
-    return {"gravity": _part(scene.gravity.tolist(), beams), "items": [_table(item["class"], ITEMS, item["fields"], beams) for item in items]}
+    names = _Names(scene)
+    return {"gravity": _part(scene.gravity.tolist(), names), "items": [_table(item["class"], ITEMS, item["fields"], names) for item in items]}
 
 
-def _table(name: str, kinds: Mapping[str, Kind], values: dict[str, Any], beams: set[str]) -> dict[str, Any]:
+class _Names:
+    """Of a scene's items, for the texts of markers."""
+
+    def __init__(self, scene: Scene):
+        self._all = {item.name for item in scene.items}
+        self._beams = {item.name for item in scene.items if hasattr(item, "start")}
+
+    def marker(self, item: str, numbers: list[float]) -> str:
+        for ends in (item in self._beams, False):
+            text = marker_text(item, numbers, ends)
+            if text == item or text not in self._all:
+                return text
+        raise SceneError([f"{text!r}: expected names that are no markers of other items, found one; rename it"])
+
+
+def _table(name: str, kinds: Mapping[str, Kind], values: dict[str, Any], names: _Names) -> dict[str, Any]:
     """A kind and those of its fields that are not what they would be anyway."""
     known = kinds[name].fields
-    told = {key: _part(value, beams) for key, value in values.items() if value is not None}
+    told = {key: _part(value, names) for key, value in values.items() if value is not None}
     first = {"kind": name} | ({"name": told.pop("name")} if "name" in told else {})
     return first | {key: value for key, value in told.items() if known[key].required or value != _plain(known[key].default)}
 
@@ -70,19 +85,19 @@ def _plain(default: Any) -> Any:
     return list(default) if isinstance(default, tuple) else default
 
 
-def _part(value: Any, beams: set[str]) -> Any:
+def _part(value: Any, names: _Names) -> Any:
     """A described value in the words of a file."""
     if isinstance(value, list):
-        return [_part(part, beams) for part in value]
+        return [_part(part, names) for part in value]
     if not isinstance(value, dict):
         return short(value)
     if "marker" in value:
-        return marker_text(value["marker"], value["at"], value["marker"] in beams)
+        return names.marker(value["marker"], value["at"])
     if "item" in value:
         return value["item"]
     if "function" not in value:
-        return {key: _part(part, beams) for key, part in value.items()}
-    found = _table(value["function"], FUNCTIONS, value["fields"], beams)
+        return {key: _part(part, names) for key, part in value.items()}
+    found = _table(value["function"], FUNCTIONS, value["fields"], names)
     return found["text"] if _is_formula(found) else found
 
 
@@ -95,20 +110,21 @@ def _is_formula(data: dict[str, Any]) -> bool:
 
 
 def _simulate(scene: Scene, t_end: Any, rtol: Any, solver: Any, outputs: Mapping[str, Marker] | None) -> dict[str, Any]:
-    told = {"t_end": _part(t_end, set()), "rtol": rtol}
+    names = _Names(scene)
+    told = {"t_end": _part(t_end, names), "rtol": rtol}
     if solver is not None:
         name = type(solver).__name__
-        told["solver"] = _table(name, SOLVERS, {field.name: getattr(solver, field.name) for field in fields(solver)}, set())
+        told["solver"] = _table(name, SOLVERS, {field.name: getattr(solver, field.name) for field in fields(solver)}, names)
     if outputs:
-        told["outputs"] = {name: _output(scene, name, marker) for name, marker in outputs.items()}
+        told["outputs"] = {name: _output(scene, names, name, marker) for name, marker in outputs.items()}
     given = {name: value for name, value in told.items() if value is not None}
     return {"simulate": given} if given else {}
 
 
-def _output(scene: Scene, name: str, marker: Marker) -> str:
+def _output(scene: Scene, names: _Names, name: str, marker: Marker) -> str:
     if marker.scene is not scene:
         raise ValueError(f"outputs: {name}: expected a marker of this scene, found one of another")
-    return marker_text(marker.item, arguments(marker, f"outputs: {name}"), hasattr(scene[marker.item], "start"))
+    return names.marker(marker.item, arguments(marker, f"outputs: {name}"))
 
 
 def toml(data: Mapping[str, Any]) -> str:

@@ -106,6 +106,19 @@ def test_numbers_and_names_of_all_sorts(tmp_path_factory: pytest.TempPathFactory
     assert described(mbd.read_scene(path)) == described(scene)
 
 
+def test_items_that_are_named_like_markers(tmp_path: Path) -> None:
+    scene = mbd.Scene()
+    rod = scene.add(mbd.AncfCable((0, 0), (1, 0), n_elements=2, E=1e6, A=1e-3, I=1e-8, rho=1e3, name="rod"))
+    ball = scene.add(mbd.Particle(1.0, (2, 0), name="rod.end"))
+    scene.add(mbd.Spring(rod.end, ball.at(), stiffness=1.0))
+    mbd.write_scene(scene, tmp_path / "scene.toml")
+    assert described(mbd.read_scene(tmp_path / "scene.toml")) == described(scene)
+    other = scene.add(mbd.Particle(1.0, (3, 0), name="rod.at(0.5)"))
+    scene.add(mbd.Spring(rod.at(0.5), other.at(), stiffness=1.0))
+    with pytest.raises(mbd.SceneError, match=r"'rod.at\(0.5\)': expected names that are no markers"):
+        mbd.write_scene(scene, tmp_path / "scene.toml")
+
+
 def test_what_the_file_says_of_the_run_comes_back(tmp_path: Path) -> None:
     scene = SCENES["speeds"]()
     ball = next(item for item in scene.items if type(item.description) is mbd.Particle)
