@@ -27,8 +27,8 @@ class Expression(AsData):
     constants        numbers by name that the formula may use
     discontinuities  times [s] at which it or a derivative jumps, beside those where t is compared with a number, which are found
 
-    The language: numbers, + - * / **, pi, e, tau, sin, cos, tan, asin, acos, atan, atan2, sinh, cosh, tanh, exp, log, sqrt, abs, sign, floor,
-    ceil, round, min, max, and ``a if t < 0.4 else b`` with <, <=, >, >=, and, or, not. At most 1000 characters. It is parsed, never evaluated
+    The language: numbers, + - * / **, pi, e, tau, sin, cos, tan, asin, acos, atan, atan2, sinh, cosh, tanh, exp, log, log10, sqrt, abs, sign,
+    floor, ceil, round, min, max, and ``a if t < 0.4 else b`` with <, <=, >, >=, and, or, not. At most 1000 characters. It is parsed, never evaluated
     as Python. Raises ValueError, in words, for any other text.
     """
 

@@ -113,6 +113,7 @@ SLOPES: dict[str, Slopes] = {
     "tanh": _tanh,
     "exp": lambda x: (math.exp(x), math.exp(x)),
     "log": lambda x: (1.0 / x, -1.0 / (x * x)),
+    "log10": lambda x: (1.0 / (x * math.log(10.0)), -1.0 / (x * x * math.log(10.0))),
     "sqrt": _root,
     "abs": lambda x: (math.copysign(1.0, x), 0.0),
     "sign": lambda x: (0.0, 0.0),
