@@ -81,6 +81,8 @@ if TYPE_CHECKING:
     from .state import State
     from .statics import equilibrium
     from .structure import check
+    from .sweeps.sweep import sweep
+    from .sweeps.table import Sweep
     from .target import Motion
     from .vibration import Modes, modes
 
@@ -149,6 +151,8 @@ _HOMES = {
     "target": ("Motion",),
     "linearisation": ("Linearization", "linearize"),
     "vibration": ("Modes", "modes"),
+    "sweeps.sweep": ("sweep",),
+    "sweeps.table": ("Sweep",),
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names}
 
@@ -206,6 +210,7 @@ __all__ = [
     "State",
     "Stop",
     "Structure",
+    "Sweep",
     "Torque",
     "TorsionSpring",
     "Universal",
@@ -224,6 +229,7 @@ __all__ = [
     "modes",
     "piecewise",
     "simulate",
+    "sweep",
     "work_precision",
 ]
 
