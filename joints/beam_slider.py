@@ -34,7 +34,7 @@ class BeamSlider(Joint):
     beam: Any
     name: str | None = field(default=None, kw_only=True)
 
-    kind = "beam slider"
+    kind, unit = "beam slider", "m"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "point", as_marker(self.point))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -25,6 +25,7 @@ from .trajectory import Joined, Trajectory
 
 if TYPE_CHECKING:
     from .assembly import Assembly
+    from .outputs import Output
     from .scene import Scene
 
 
@@ -83,6 +84,11 @@ class Result:
     def final(self) -> State:
         """The last state: ``simulate(scene, t_end, start=result.final)`` continues."""
         return self.trajectory.end
+
+    def resampled(self, t: ArrayLike) -> Result:
+        """The same run with ``t`` at other times [n_t] [s], ascending or not: everything asked of it is at these."""
+        times = np.atleast_1d(np.asarray(t, dtype=float))
+        return Result(self.scene, self.system, self.trajectory, self.stats, self.assembly, (times, *self.trajectory.at(times)), self.events)
 
     def _motion(self, t: ArrayLike | None, columns: Index) -> tuple[Array, Array]:
         """q, v [..., n]; of the parts that these coordinates belong to, at least."""
@@ -200,6 +206,25 @@ class Result:
         from .archive import save
 
         save(self, path)
+
+    def to_xarray(self, outputs: Mapping[str, Output] | None = None, t: ArrayLike | None = None) -> Any:
+        """An xarray Dataset over time: q, v, energies and named outputs ({"tip": rod.end, "hinge": pivot}), labelled, with units; at ``t`` or
+        other times. Needs xarray."""
+        from .export.labelled import to_xarray
+
+        return to_xarray(self, outputs, t)
+
+    def to_dataframe(self, outputs: Mapping[str, Output], t: ArrayLike | None = None) -> Any:
+        """A pandas DataFrame over time of named outputs (markers, joints, measures, bodies, functions of the result). Needs pandas."""
+        from .export.tables import to_dataframe
+
+        return to_dataframe(self, outputs, t)
+
+    def to_csv(self, path: str | os.PathLike[str], outputs: Mapping[str, Output], t: ArrayLike | None = None) -> None:
+        """Writes named outputs over time as text, with headings and units; numbers in full."""
+        from .export.tables import to_csv
+
+        to_csv(self, path, outputs, t)
 
     def plot(self, times: ArrayLike | None = None, *, items: Sequence[Any] | None = None, ax: Any = None) -> Any:
         """The deformed shapes at times [s] (by default ten), coloured by time; returns the matplotlib Axes."""

@@ -25,7 +25,9 @@ class Checkpoint:
     Raises ValueError for a file of another sweep: of other parameters, outputs, settings or another function.
     """
 
-    def __init__(self, path: str | os.PathLike[str], build: Callable[..., Any], parameters: list[str], outputs: list[str], settings: Mapping[str, Any]):
+    def __init__(
+        self, path: str | os.PathLike[str], build: Callable[..., Any], parameters: list[str], outputs: list[str], settings: Mapping[str, Any]
+    ):
         self._path = Path(path)
         name = f"{getattr(build, '__module__', '')}.{getattr(build, '__qualname__', repr(build))}"
         about = {"format": FORMAT, "version": VERSION, "build": name, "parameters": parameters, "outputs": outputs, "settings": dict(settings)}
@@ -33,7 +35,7 @@ class Checkpoint:
         lines, whole = self._lines()
         self._check(lines)
         self._done = {key(line["case"]): _outcome(line) for line in lines[1:]}
-        self._file = open(self._path, "r+b" if self._path.exists() else "xb")
+        self._file = open(self._path, "r+b" if self._path.exists() else "xb")  # noqa: SIM115 (closed by __exit__)
         self._file.seek(whole)
         self._file.truncate()
         if not lines:

@@ -82,7 +82,8 @@ class Sweep:
         from ..extras import need
 
         xarray = need("xarray", "data")
-        dims, shape = ("case",), (len(self),)
+        dims: tuple[str, ...] = ("case",)
+        shape: tuple[int, ...] = (len(self),)
         coordinates: dict[str, Any] = {name: ("case", [case.get(name) for case in self.cases]) for name in self._names()}
         if self.parameters is not None:
             dims, shape, coordinates = tuple(self.parameters), tuple(map(len, self.parameters.values())), dict(self.parameters)

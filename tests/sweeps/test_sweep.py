@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
@@ -219,7 +220,8 @@ if __name__ == "__main__":
         client.run(lambda folder: sys.path.insert(0, folder), sys.argv[1])
         victim = next(iter(client.run(os.getpid).values()))
         threading.Timer(1.0, os.kill, (victim, signal.SIGKILL)).start()
-        table = mbd.sweep(slow, {"length": [1.0 + 0.1 * k for k in range(30)] + [0.0]}, {"tip": tip}, client.get_executor(), progress=False, t_end=0.1)
+        lengths = [1.0 + 0.1 * k for k in range(30)] + [0.0]
+        table = mbd.sweep(slow, {"length": lengths}, {"tip": tip}, client.get_executor(), progress=False, t_end=0.1)
         pids = set(client.run(os.getpid).values())
     print(len(table), len(table.failures), table.failures[0][0]["length"], victim in pids)
     here = mbd.sweep(slow, {"length": [1.0, 1.1]}, {"tip": tip}, progress=False, t_end=0.1)
@@ -252,3 +254,22 @@ def test_a_dask_cluster_that_loses_a_worker(tmp_path: Path):
     done = subprocess.run([sys.executable, tmp_path / "run.py", str(tmp_path)], env=environment, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines() == ["31 1 0.0 False", "True"]
+
+
+@pytest.mark.slow
+def test_two_processes_take_little_more_than_half_the_time():
+    """200 pendulums: here, and on two processes that are up already; the best of three pairs in turn."""
+    pytest.importorskip("threadpoolctl")
+    if (os.cpu_count() or 1) < 2:
+        pytest.skip("needs two processors")
+    cases = {"length": np.linspace(1.0, 2.0, 200)}
+
+    def seconds(executor: Any) -> float:
+        clock = time.perf_counter()
+        assert not mbd.sweep(pendulum, cases, {"tip": tip}, executor, progress=False, t_end=2.0, rtol=1e-9).failures
+        return time.perf_counter() - clock
+
+    with ProcessPoolExecutor(2, mp_context=get_context("fork")) as pool:
+        list(pool.map(abs, range(8)))
+        gains = [seconds(None) / seconds(pool) for _ in range(3)]
+    assert max(gains) >= 1.7, gains
