@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mbd import validate
 from mbd.affine import Affine
 from mbd.errors import SceneError
+from mbd.fields import Count, Matrix, Number, Vector
 from mbd.marker import Marker
 
 from .continuum import Continuum
@@ -28,8 +29,8 @@ if TYPE_CHECKING:
     from mbd.scene import Site
 
 Array = NDArray[np.float64]
-ELASTICITIES = ("continuum", "local_frame")
-GRAVITIES = ("consistent", "lumped")
+Elasticity = Literal["continuum", "local_frame"]
+Weight = Literal["consistent", "lumped"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,19 +51,19 @@ class AncfCable:
     ``CorotationalBeam``, ``GeometricallyExactBeam`` and ``FloatingFrameBeam`` take the same arguments for a straight planar beam.
     """
 
-    start: Any = None
-    end: Any = None
-    n_elements: int | None = field(default=None, kw_only=True)
-    E: Any = field(kw_only=True)
-    A: Any = field(kw_only=True)
-    I: Any = field(kw_only=True)  # noqa: E741
-    rho: Any = field(kw_only=True)
-    elasticity: str = field(default="continuum", kw_only=True)
-    nodes: Any = field(default=None, kw_only=True)
-    tangents: Any = field(default=None, kw_only=True)
-    gauss_points: int = field(default=7, kw_only=True)
-    damping: Any = field(default=0.0, kw_only=True)
-    gravity: str = field(default="consistent", kw_only=True)
+    start: Vector = None
+    end: Vector = None
+    n_elements: Count = field(default=None, kw_only=True)
+    E: Number = field(kw_only=True)
+    A: Number = field(kw_only=True)
+    I: Number = field(kw_only=True)  # noqa: E741
+    rho: Number = field(kw_only=True)
+    elasticity: Elasticity = field(default="continuum", kw_only=True)
+    nodes: Matrix = field(default=None, kw_only=True)
+    tangents: Matrix = field(default=None, kw_only=True)
+    gauss_points: Count = field(default=7, kw_only=True)
+    damping: Number = field(default=0.0, kw_only=True)
+    gravity: Weight = field(default="consistent", kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "cable"
@@ -97,7 +98,7 @@ class AncfCable:
 
     def _faulty_words(self, dimension: int) -> list[str]:
         found = []
-        for name, words in (("elasticity", ELASTICITIES), ("gravity", GRAVITIES)):
+        for name, words in (("elasticity", get_args(Elasticity)), ("gravity", get_args(Weight))):
             if getattr(self, name) not in words:
                 found.append(f"{name}: expected one of {', '.join(map(repr, words))}, found {getattr(self, name)!r}; choose one")
         if self.elasticity == "local_frame" and dimension == 3:
@@ -172,7 +173,7 @@ class Cable:
         point, slope = hermite(xi) * scale, hermite_slope(xi) * scale / length
         keep, bend = point != 0.0, slope != 0.0
         tangent = Affine.of(rows[bend], slope[bend], d)
-        return Marker(self.name, self.site.scene, Affine.of(rows[keep], point[keep], d), (tangent,), rigid=False)
+        return Marker(self.name, self.site.scene, Affine.of(rows[keep], point[keep], d), (tangent,), False, (s,))
 
     def assemble(self, model: Model) -> None:
         c, n = self.description, len(self.lengths)

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mbd import validate
 from mbd.affine import Array
+from mbd.fields import Function, Measured, Number
 from mbd.measured import measure_faults
 from mbd.signal import Signal
 from mbd.target import Position
@@ -38,10 +39,10 @@ class PD:
     Its force on bodies is in ``result.reaction(measure)``. The spring's energy, 1/2 proportional s^2, counts as elastic, the rest as work.
     """
 
-    measure: Any
-    target: Any = 0.0
-    proportional: Any = field(kw_only=True)
-    derivative: Any = field(default=0.0, kw_only=True)
+    measure: Measured
+    target: Function = 0.0
+    proportional: Number = field(kw_only=True)
+    derivative: Number = field(default=0.0, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "controller"

@@ -19,7 +19,7 @@ Limits: slopes w' small against the frame (to 0.1, say), and no axial strain: us
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from mbd.model import Model
     from mbd.scene import Site
 
-MODES = ("craig_bampton", "cantilever")
+Modes = Literal["craig_bampton", "cantilever"]
 STEEP = 0.3
 """Slopes beyond this are worth a warning: what the second order neglects is a tenth."""
 SHORTENINGS = ("mean", "moment", "end")
@@ -58,13 +58,13 @@ class FloatingFrameBeam(StraightBeam):
     Markers: ``start``, ``end``, ``at(s)`` with the fraction s of the length. They carry the tangent.
     """
 
-    modes: str = field(default="craig_bampton", kw_only=True)
+    modes: Modes = field(default="craig_bampton", kw_only=True)
     stiffening: bool = field(default=True, kw_only=True)
 
     def faults(self, dimension: int) -> list[str]:
         found = super().faults(dimension)
-        if self.modes not in MODES:
-            found.append(f"modes: expected one of {', '.join(map(repr, MODES))}, found {self.modes!r}; choose one")
+        if self.modes not in get_args(Modes):
+            found.append(f"modes: expected one of {', '.join(map(repr, get_args(Modes)))}, found {self.modes!r}; choose one")
         if not isinstance(self.stiffening, bool):
             found.append(f"stiffening: expected True or False, found {self.stiffening!r}; choose one")
         return found

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mbd.affine import Affine, Array
+from mbd.fields import Function
 from mbd.maps import Maps
 from mbd.marker import Marker
 from mbd.signal import Signal
@@ -30,7 +31,7 @@ class Force:
     in the plane also across)."""
 
     marker: Marker
-    vector: Any
+    vector: Function
     follower: bool = field(default=False, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 

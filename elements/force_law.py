@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mbd.affine import Array
+from mbd.fields import Law, Measures
 from mbd.formula import Formula
 from mbd.measured import measure_faults
 from mbd.signal import Signal
@@ -34,10 +35,10 @@ class ForceLaw:
     ``discontinuities``). Its work is in the audit; what it does to bodies is in the reactions of the measures.
     """
 
-    measures: Any
-    function: Any
-    rates: Any = field(default=False, kw_only=True)
-    gradient: Any = field(default=None, kw_only=True)
+    measures: Measures
+    function: Law
+    rates: bool = field(default=False, kw_only=True)
+    gradient: Law = field(default=None, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "force law"

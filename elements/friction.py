@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mbd import validate
 from mbd.affine import Array
+from mbd.fields import Measured, Number
 from mbd.measured import measure_faults
 from mbd.signal import Signal
 
@@ -29,9 +30,9 @@ class Friction:
     Its work is in the audit; what it does to bodies is in ``result.reaction(measure)``.
     """
 
-    measure: Any
-    force: Any = field(kw_only=True)
-    speed: Any = field(kw_only=True)
+    measure: Measured
+    force: Number = field(kw_only=True)
+    speed: Number = field(kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "friction"

@@ -14,12 +14,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cache
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mbd.affine import Affine, Array
+from mbd.fields import Number
 
 from .measure import Measure, angle_between, turn, turn_curve
 from .shapes import gauss
@@ -71,8 +72,8 @@ class GeometricallyExactBeam(StraightBeam):
     section's normal, between them no axis. Simo and Vu-Quoc (1986): the large rotation vector formulation.
     """
 
-    GA: Any = field(default=None, kw_only=True)
-    rotary_inertia: Any = field(default=None, kw_only=True)
+    GA: Number = field(default=None, kw_only=True)
+    rotary_inertia: Number = field(default=None, kw_only=True)
 
     OPTIONAL: ClassVar[tuple[str, ...]] = ("GA", "rotary_inertia")
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mbd import validate
 from mbd.affine import Affine
+from mbd.fields import Number, Vector
 from mbd.marker import Marker
 
 if TYPE_CHECKING:
@@ -20,9 +21,9 @@ if TYPE_CHECKING:
 class Particle:
     """A point of mass [kg] at position [d] [m] with velocity [d] [m/s]. Marker: ``at()``."""
 
-    mass: Any = field()
-    position: Any = field()
-    velocity: Any = None
+    mass: Number = field()
+    position: Vector = field()
+    velocity: Vector = None
     name: str | None = field(default=None, kw_only=True)
 
     kind = "particle"
@@ -48,7 +49,7 @@ class PlacedParticle:
 
     def at(self) -> Marker:
         point = Affine.of([self.row], [1.0], self.description.position.size)
-        return Marker(self.name, self.site.scene, point, (), rigid=True)
+        return Marker(self.name, self.site.scene, point, (), True, ())
 
     def assemble(self, model: Model) -> None:
         mass = np.array([[float(self.description.mass)]])

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from mbd import validate
 from mbd.affine import Affine
 from mbd.errors import SceneError
+from mbd.fields import Matrix, Number, Vector
 from mbd.marker import Marker
 from mbd.rows import dot
 
@@ -41,14 +42,14 @@ class RigidBody:
     Marker: ``at(x, y[, z])``, metres in body axes from the mass centre. ``length`` is that of ``RigidBody.rod``, otherwise None.
     """
 
-    mass: Any = field(kw_only=True)
-    inertia: Any = field(kw_only=True)
-    position: Any = field(kw_only=True)
-    angle: Any = field(default=None, kw_only=True)
-    rotation: Any = field(default=None, kw_only=True)
-    velocity: Any = field(default=None, kw_only=True)
-    angular_velocity: Any = field(default=None, kw_only=True)
-    length: float | None = field(default=None, kw_only=True)
+    mass: Number = field(kw_only=True)
+    inertia: Number | Vector | Matrix = field(kw_only=True)
+    position: Vector = field(kw_only=True)
+    angle: Number = field(default=None, kw_only=True)
+    rotation: Matrix = field(default=None, kw_only=True)
+    velocity: Vector = field(default=None, kw_only=True)
+    angular_velocity: Number | Vector = field(default=None, kw_only=True)
+    length: Number = field(default=None, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "body"
@@ -180,7 +181,7 @@ class Body:
             raise SceneError([f"body {self.name!r}: {what}"])
         arm = np.array(point or np.zeros(d), dtype=float)
         weights = [complex(*arm)] if d == 2 else list(arm)
-        return Marker(self.name, self.site.scene, Affine.of(self.rows, [1.0, *weights], d), self.axes, rigid=True)
+        return Marker(self.name, self.site.scene, Affine.of(self.rows, [1.0, *weights], d), self.axes, True, point)
 
     def assemble(self, model: Model) -> None:
         mass, axes = float(self.description.mass), self.axes

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mbd import validate
+from mbd.fields import Number
 from mbd.marker import Marker
 
 from .spring_strains import Offset, Stretch, Twist
@@ -26,9 +27,9 @@ class Spring:
 
     a: Marker
     b: Marker
-    stiffness: Any = field(kw_only=True)
-    damping: Any = field(default=0.0, kw_only=True)
-    length: Any = field(default=None, kw_only=True)
+    stiffness: Number = field(kw_only=True)
+    damping: Number = field(default=0.0, kw_only=True)
+    length: Number = field(default=None, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "spring"
@@ -80,9 +81,9 @@ class TorsionSpring:
 
     a: Marker
     b: Marker
-    stiffness: Any = field(kw_only=True)
-    damping: Any = field(default=0.0, kw_only=True)
-    angle: Any = field(default=0.0, kw_only=True)
+    stiffness: Number = field(kw_only=True)
+    damping: Number = field(default=0.0, kw_only=True)
+    angle: Number = field(default=0.0, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "torsion spring"

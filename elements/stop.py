@@ -12,13 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mbd import validate
 from mbd.affine import Array
+from mbd.fields import Measured, Number
 from mbd.measured import measure_faults
 from mbd.signal import Signal
 
@@ -39,12 +40,12 @@ class Stop:
     Its work is in the audit; what it does to bodies is in ``result.reaction(measure)``.
     """
 
-    measure: Any
-    lower: Any = field(default=None, kw_only=True)
-    upper: Any = field(default=None, kw_only=True)
-    stiffness: Any = field(kw_only=True)
-    damping: Any = field(default=0.0, kw_only=True)
-    width: Any = field(kw_only=True)
+    measure: Measured
+    lower: Number = field(default=None, kw_only=True)
+    upper: Number = field(default=None, kw_only=True)
+    stiffness: Number = field(kw_only=True)
+    damping: Number = field(default=0.0, kw_only=True)
+    width: Number = field(kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "stop"

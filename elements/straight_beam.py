@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mbd import validate
 from mbd.affine import Affine
 from mbd.errors import SceneError
+from mbd.fields import Count, Number, Vector
 from mbd.marker import Marker
 from mbd.rows import dot
 
@@ -30,14 +31,14 @@ Array = NDArray[np.float64]
 class StraightBeam:
     """The arguments of a uniform planar beam, straight and free of stress from start to end [2] [m]; units as of ``AncfCable``."""
 
-    start: Any
-    end: Any
-    n_elements: Any = field(kw_only=True)
-    E: Any = field(kw_only=True)
-    A: Any = field(kw_only=True)
-    I: Any = field(kw_only=True)  # noqa: E741
-    rho: Any = field(kw_only=True)
-    damping: Any = field(default=0.0, kw_only=True)
+    start: Vector
+    end: Vector
+    n_elements: Count = field(kw_only=True)
+    E: Number = field(kw_only=True)
+    A: Number = field(kw_only=True)
+    I: Number = field(kw_only=True)  # noqa: E741
+    rho: Number = field(kw_only=True)
+    damping: Number = field(default=0.0, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "beam"
@@ -91,7 +92,7 @@ class PlacedBeam:
         if not 0.0 <= s <= 1.0:
             raise SceneError([f"beam {self.name!r}: at: expected a fraction of the length between 0 and 1, found {s!r}; correct it"])
         point, axes = self.locate(s)
-        return Marker(self.name, self.site.scene, point, axes, rigid=False)
+        return Marker(self.name, self.site.scene, point, axes, False, (s,))
 
     def locate(self, s: float) -> tuple[Affine, tuple[Affine, ...]]:
         """The point at s and the axis there, where there is one."""

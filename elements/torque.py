@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mbd.affine import Affine, Array
 from mbd.errors import SimulationError
+from mbd.fields import Function
 from mbd.maps import Maps
 from mbd.marker import Marker
 from mbd.signal import Signal
@@ -36,7 +37,7 @@ class Torque:
     with follower=True in the marker's axes), or callable(t)."""
 
     marker: Marker
-    value: Any
+    value: Function
     follower: bool = field(default=False, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 

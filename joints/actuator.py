@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mbd.affine import Scalar
+from mbd.fields import Function, Measured
 from mbd.measured import measure_faults
 from mbd.rows import Row, shifted
 from mbd.signal import Signal
@@ -33,10 +34,10 @@ class Actuator:
     Numbers, or functions of t [s], with derivatives as for ``Motor``. What it does to bodies is in ``result.reaction(measure)``.
     """
 
-    measure: Any
-    value: Any = field(default=None, kw_only=True)
-    rate: Any = field(default=None, kw_only=True)
-    force: Any = field(default=None, kw_only=True)
+    measure: Measured
+    value: Function = field(default=None, kw_only=True)
+    rate: Function = field(default=None, kw_only=True)
+    force: Function = field(default=None, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "actuator"

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mbd.fields import Beam, Place
 from mbd.marker import Marker
 from mbd.rows import Row
 from mbd.track import Track
@@ -30,8 +31,8 @@ class BeamSlider(Joint):
     direction takes two of them.
     """
 
-    point: Any
-    beam: Any
+    point: Place
+    beam: Beam
     name: str | None = field(default=None, kw_only=True)
 
     kind, unit = "beam slider", "m"

@@ -9,6 +9,7 @@ import numpy as np
 
 from mbd import validate
 from mbd.affine import Scalar
+from mbd.fields import Function, Terms
 from mbd.measured import measure_faults
 from mbd.rows import Row
 from mbd.signal import Signal
@@ -30,8 +31,8 @@ class Coupling:
     What it does to the bodies is in the reactions of its measures.
     """
 
-    terms: Any
-    value: Any = None
+    terms: Terms
+    value: Function = None
     name: str | None = field(default=None, kw_only=True)
 
     kind = "coupling"

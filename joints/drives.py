@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mbd import validate
 from mbd.affine import Array, Scalar
 from mbd.errors import SimulationError
+from mbd.fields import Function, Place, Vector
 from mbd.marker import Marker
 from mbd.rows import Row, shifted
 from mbd.signal import Signal
@@ -47,12 +48,12 @@ class Motor(Joint):
     moment of ``result.reaction(motor)``; at the start the drive sets the mechanism in motion.
     """
 
-    a: Any
-    b: Any
-    angle: Any = field(default=None, kw_only=True)
-    speed: Any = field(default=None, kw_only=True)
-    torque: Any = field(default=None, kw_only=True)
-    axis: Any = field(default=None, kw_only=True)
+    a: Place
+    b: Place
+    angle: Function = field(default=None, kw_only=True)
+    speed: Function = field(default=None, kw_only=True)
+    torque: Function = field(default=None, kw_only=True)
+    axis: Vector = field(default=None, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "motor"
@@ -101,8 +102,8 @@ class Prescribed(Joint):
     """
 
     marker: Marker
-    position: Any = None
-    angle: Any = field(default=None, kw_only=True)
+    position: Function = None
+    angle: Function = field(default=None, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "prescribed motion"

@@ -12,6 +12,7 @@ import numpy as np
 
 from mbd import validate
 from mbd.affine import Scalar
+from mbd.fields import Matrix, Number, Place, Vector
 from mbd.marker import Marker
 from mbd.rows import Row, shifted
 from mbd.turn import Turning
@@ -69,13 +70,13 @@ class Gear(_Geared):
     axis      in space: [3], or [2, 3] for bevel gears: the axes of rotation of a and b, inertial components at the start
     """
 
-    a: Any
-    b: Any
-    ratio: Any = field(default=None, kw_only=True)
-    radii: Any = field(default=None, kw_only=True)
-    teeth: Any = field(default=None, kw_only=True)
-    carrier: Any = field(default=None, kw_only=True)
-    axis: Any = field(default=None, kw_only=True)
+    a: Place
+    b: Place
+    ratio: Number = field(default=None, kw_only=True)
+    radii: Vector = field(default=None, kw_only=True)
+    teeth: Vector = field(default=None, kw_only=True)
+    carrier: Place = field(default=None, kw_only=True)
+    axis: Vector | Matrix = field(default=None, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "gear"
@@ -132,12 +133,12 @@ class Rack(_Geared):
     shaft     in space: [3], axis of rotation of the pinion, inertial components at the start
     """
 
-    pinion: Any
-    rack: Any
-    axis: Any = field(kw_only=True)
-    radius: Any = field(kw_only=True)
-    carrier: Any = field(default=None, kw_only=True)
-    shaft: Any = field(default=None, kw_only=True)
+    pinion: Place
+    rack: Place
+    axis: Vector = field(kw_only=True)
+    radius: Number = field(kw_only=True)
+    carrier: Place = field(default=None, kw_only=True)
+    shaft: Vector = field(default=None, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "rack"

@@ -9,6 +9,7 @@ import numpy as np
 
 from mbd import validate
 from mbd.affine import Affine, Scalar
+from mbd.fields import Number, Place, Vector
 from mbd.marker import Marker
 from mbd.rows import Row
 from mbd.slip import SlipRow
@@ -32,8 +33,8 @@ class KnifeEdge(Joint):
     For ``Radau`` and ``DormandPrince``. The force that it exerts does no work.
     """
 
-    a: Any
-    axis: Any = field(kw_only=True)
+    a: Place
+    axis: Vector = field(kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "knife edge"
@@ -71,9 +72,9 @@ class Wheel(Measure):
     ``ForceLaw``; a ``Coupling`` to the ``Angle`` of a body gives it inertia. For ``Radau`` and ``DormandPrince``.
     """
 
-    a: Any
-    axis: Any = field(kw_only=True)
-    radius: Any = field(kw_only=True)
+    a: Place
+    axis: Vector = field(kw_only=True)
+    radius: Number = field(kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind, unit = "wheel", "rad"

@@ -9,6 +9,7 @@ import numpy as np
 
 from mbd import validate
 from mbd.affine import Affine, Array
+from mbd.fields import Vector
 from mbd.marker import Marker
 from mbd.rows import Row, cross, dot
 
@@ -26,7 +27,7 @@ class PointOnLine(Joint):
 
     point: Marker
     marker_on_line: Marker
-    axis: Any = field(kw_only=True)
+    axis: Vector = field(kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "point on line"
@@ -56,7 +57,7 @@ class Slider(Joint):
 
     a: Marker
     b: Marker
-    axis: Any = field(kw_only=True)
+    axis: Vector = field(kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "slider"

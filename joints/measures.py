@@ -9,12 +9,13 @@ and ``result.reaction(measure)`` is the force and moment of all that, on the mea
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mbd import validate
 from mbd.affine import Array, Scalar
+from mbd.fields import Place, Vector
 from mbd.marker import Marker
 from mbd.rows import Row, dot
 from mbd.turn import Turning
@@ -52,9 +53,9 @@ class Angle(Measure):
     axis   in space: [3], inertial components at the start, of the axis of rotation, which joints between a and b hold
     """
 
-    a: Any
-    b: Any
-    axis: Any = field(default=None, kw_only=True)
+    a: Place
+    b: Place
+    axis: Vector = field(default=None, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind, unit = "angle", "rad"
@@ -87,9 +88,9 @@ class Displacement(Measure):
     axis   [d], the line's direction in the axes of b's body
     """
 
-    a: Any
-    b: Any
-    axis: Any = field(kw_only=True)
+    a: Place
+    b: Place
+    axis: Vector = field(kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind, unit = "displacement", "m"
@@ -116,8 +117,8 @@ class Displacement(Measure):
 class Length(Measure):
     """The distance between the points of a and b [m]."""
 
-    a: Any
-    b: Any
+    a: Place
+    b: Place
     name: str | None = field(default=None, kw_only=True)
 
     kind, unit = "length", "m"

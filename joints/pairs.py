@@ -7,11 +7,12 @@ give values, gradients and curvatures in the system, and the joint's reaction on
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mbd import validate
+from mbd.fields import Number, Vector
 from mbd.marker import Marker
 from mbd.rows import Row, distance, dot, parallel
 
@@ -28,7 +29,7 @@ class Pin(Joint):
 
     a: Marker
     b: Marker
-    axis: Any = field(default=None, kw_only=True)
+    axis: Vector = field(default=None, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "pin"
@@ -81,7 +82,7 @@ class Distance(Joint):
 
     a: Marker
     b: Marker
-    length: Any = field(default=None, kw_only=True)
+    length: Number = field(default=None, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "distance"

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mbd import validate
 from mbd.affine import Scalar
+from mbd.fields import Number, Place, Vector
 from mbd.marker import Marker
 from mbd.rows import Row, cross, shifted
 from mbd.turn import Turning
@@ -34,10 +35,10 @@ class Rolling(Joint):
     radius   [m]
     """
 
-    a: Any
-    b: Any
-    axis: Any = field(kw_only=True)
-    radius: Any = field(kw_only=True)
+    a: Place
+    b: Place
+    axis: Vector = field(kw_only=True)
+    radius: Number = field(kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "rolling disc"

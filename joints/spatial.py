@@ -9,6 +9,7 @@ import numpy as np
 
 from mbd import validate
 from mbd.affine import Array
+from mbd.fields import Matrix, Vector
 from mbd.marker import Marker
 from mbd.rows import Row, dot
 
@@ -27,7 +28,7 @@ class Universal(Joint):
 
     a: Marker
     b: Marker
-    axes: Any = field(kw_only=True)
+    axes: Matrix = field(kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "universal joint"
@@ -60,7 +61,7 @@ class Cylindrical(Joint):
 
     a: Marker
     b: Marker
-    axis: Any = field(kw_only=True)
+    axis: Vector = field(kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "cylindrical joint"
@@ -84,7 +85,7 @@ class Planar(Joint):
 
     a: Marker
     b: Marker
-    normal: Any = field(kw_only=True)
+    normal: Vector = field(kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind = "planar joint"

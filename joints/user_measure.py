@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mbd.errors import SimulationError
+from mbd.fields import Law, Measures
 from mbd.formula import Formula
 from mbd.measured import measure_faults, measured
 from mbd.relation import Relation
@@ -29,14 +30,14 @@ class UserMeasure:
     Given derivatives are checked at the start. Differences are good to about 1e-12 (first) and 1e-10 (second), at 0.1 to 0.3 ms each.
     """
 
-    measures: Any
-    function: Any
-    gradient: Any = field(default=None, kw_only=True)
-    hessian: Any = field(default=None, kw_only=True)
+    measures: Measures
+    function: Law
+    gradient: Law = field(default=None, kw_only=True)
+    hessian: Law = field(default=None, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     kind, unit = "user measure", ""
-    storable = False  # without the function there are no equations
+    essential = ("function", "gradient", "hessian")  # without them there are no equations
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "measures", list(self.measures) if isinstance(self.measures, (list, tuple)) else [self.measures])

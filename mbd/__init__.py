@@ -44,6 +44,8 @@ if TYPE_CHECKING:
     )
     from .errors import SceneError, SceneWarning, SimulationError
     from .event import Event
+    from .files import read_scene, write_scene
+    from .functions import Expression, Ramp, Sine, SmoothStep, Spline, Table
     from .joints import (
         Actuator,
         Angle,
@@ -131,6 +133,8 @@ _HOMES = {
     "solvers": ("Automatic", "DormandPrince", "Gauss", "GeneralizedAlpha", "Radau"),
     "errors": ("SceneError", "SceneWarning", "SimulationError"),
     "event": ("Event",),
+    "functions": ("Expression", "Ramp", "Sine", "SmoothStep", "Spline", "Table"),
+    "files": ("read_scene", "write_scene"),
     "signal": ("piecewise",),
     "marker": ("Marker",),
     "archive": ("load",),
@@ -176,6 +180,7 @@ __all__ = [
     "DormandPrince",
     "Equilibrium",
     "Event",
+    "Expression",
     "FloatingFrameBeam",
     "Force",
     "ForceLaw",
@@ -198,6 +203,7 @@ __all__ = [
     "Prescribed",
     "Rack",
     "Radau",
+    "Ramp",
     "Result",
     "RigidBody",
     "Rolling",
@@ -205,12 +211,16 @@ __all__ = [
     "SceneError",
     "SceneWarning",
     "SimulationError",
+    "Sine",
     "Slider",
+    "SmoothStep",
+    "Spline",
     "Spring",
     "State",
     "Stop",
     "Structure",
     "Sweep",
+    "Table",
     "Torque",
     "TorsionSpring",
     "Universal",
@@ -228,9 +238,11 @@ __all__ = [
     "load",
     "modes",
     "piecewise",
+    "read_scene",
     "simulate",
     "sweep",
     "work_precision",
+    "write_scene",
 ]
 
 

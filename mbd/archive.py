@@ -5,8 +5,8 @@ statistics; every other member is a float64 array of the trajectory; where parts
 parts in one row. Loading builds the scene anew of the same descriptions. Nothing in a file is executed, and nothing much larger than the file
 is allocated for it.
 
-Functions of t cannot be stored. What needs them (accelerations, reactions, values between the steps) raises after loading, by name;
-everything else is answered.
+Functions of t are stored where they are of ``mbd.functions`` (``mbd.Expression``, ``mbd.Sine``, ...). Others cannot be: what needs them
+(accelerations, reactions, values between the steps) raises after loading, by name; everything else is answered.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ FORMAT, VERSION = "mbd result", 1
 def save(result: Result, path: str | os.PathLike[str]) -> None:
     """Writes a result. The file appears whole or not at all; until then an old one stays.
 
-    Warns, by name, of loads whose functions of t cannot be stored. Raises ValueError for a scene that has grown since the run.
+    Warns, by name, of items whose functions cannot be stored. Raises ValueError for a scene that has grown since the run.
     """
     if result.scene.build() is not result.system:
         raise ValueError("save: expected the scene as it was in this run, found items added since; save a result before adding to its scene")

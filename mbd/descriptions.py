@@ -1,9 +1,8 @@
 """Descriptions as JSON data and back: what a scene was made of, for files.
 
 A description becomes {"class", "fields"}; numbers and texts stay, arrays become lists, an item of the scene its name, a marker its item
-and its affine maps (rows, weights, constant), so that a scene built of the same descriptions in the same order gets the same markers.
-Floats survive exactly. Functions of t become their value at t = 0, where scenes are assembled; asked for any other time, the function read
-back raises.
+and what ``at(...)`` was given, a function of ``mbd.functions`` its kind and fields. Floats survive exactly. Any other function of t becomes
+its value at t = 0, where scenes are assembled; asked for any other time, the function read back raises.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from . import elements, joints
-from .affine import Affine
+from . import functions as library
 from .marker import Marker
 from .scene import Misfit, Scene
 
@@ -24,7 +23,7 @@ KINDS: dict[str, Any] = {
     name: kind
     for module in (elements, joints)
     for name in module.__all__
-    if is_dataclass(kind := getattr(module, name)) and getattr(kind, "storable", True)
+    if is_dataclass(kind := getattr(module, name))
 }
 COUNTS = ("n_elements", "gauss_points")
 """Fields that size arrays: checked before anything is built from them."""
@@ -56,30 +55,45 @@ def _described(description: Any, name: str) -> Data:
     kind = type(description).__name__
     if KINDS.get(kind) is not type(description):
         raise ValueError(f"{kind} {name!r}: expected one of {', '.join(KINDS)}, found a kind of its own, which cannot be stored")
+    for field in getattr(description, "essential", ()):
+        if callable(function := getattr(description, field)) and not is_data(function):
+            raise ValueError(f"{kind} {name!r}: {field}: expected an mbd.Expression, found {function!r}, which cannot be stored")
     data = {field.name: _encoded(getattr(description, field.name), f"{kind} {name!r}: {field.name}") for field in fields(description)}
     return {"class": kind, "fields": data | {"name": name}}
 
 
 def _encoded(value: Any, where: str) -> Any:
     if isinstance(value, Marker):
-        axes = [_encoded_map(axis) for axis in value.axes]
-        return {"marker": value.item, "point": _encoded_map(value.point), "axes": axes, "rigid": value.rigid}
+        return {"marker": value.item, "at": _arguments(value, where)}
+    if is_data(value):
+        data = {field.name: _encoded(getattr(value, field.name), where) for field in fields(value)}
+        return {"function": type(value).__name__, "fields": data}
     if callable(value):
-        return {"function": _value_at_zero(value)}
+        return {"at zero": _value_at_zero(value)}
     if hasattr(value, "description"):
         return {"item": value.name}
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
     if isinstance(value, (list, tuple)):
         return [_encoded(part, where) for part in value]
+    if isinstance(value, dict):
+        return {name: _encoded(part, where) for name, part in value.items()}
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
     raise ValueError(f"{where}: expected numbers, texts, markers or functions of t, found {value!r}, which cannot be stored")
 
 
-def _encoded_map(x: Affine) -> Data:
-    weights = np.stack((x.weights.real, x.weights.imag), axis=-1) if x.dimension == 2 else x.weights
-    return {"rows": x.rows.tolist(), "weights": weights.tolist(), "constant": x.constant.tolist()}
+def _arguments(marker: Marker, where: str) -> list[float]:
+    if marker.arguments is None:
+        raise ValueError(f"{where}: expected a marker such as rod.end or body.at(x, y), found one that was made otherwise, which cannot be stored")
+    return [float(number) for number in marker.arguments]
+
+
+def is_data(function: Any) -> bool:
+    """Whether a function is one of ``mbd.functions``, down to the functions that it is made of."""
+    if library.KINDS.get(type(function).__name__) is not type(function):
+        return False
+    return all(is_data(part) for field in fields(function) if callable(part := getattr(function, field.name)))
 
 
 def _value_at_zero(function: Any) -> Any:
@@ -91,7 +105,8 @@ def _value_at_zero(function: Any) -> Any:
 
 
 def _is_function(value: Any) -> bool:
-    return isinstance(value, dict) and "function" in value
+    """Whether it stands for a function that could not be stored."""
+    return isinstance(value, dict) and "at zero" in value
 
 
 def rebuilt(gravity: Any, items: list[Data], n: int, most: int) -> Scene:
@@ -100,7 +115,7 @@ def rebuilt(gravity: Any, items: list[Data], n: int, most: int) -> Scene:
     for item in items:
         if item["class"] not in KINDS:
             raise ValueError(f"items: expected kinds among {', '.join(KINDS)}, found {item['class']!r}")
-        data = {name: _decoded(value, scene) for name, value in item["fields"].items()}
+        data = {name: decoded(value, scene) for name, value in item["fields"].items()}
         if any((data.get(name) or 0) > most for name in COUNTS):
             raise ValueError(f"{data['name']}: expected counts that fit {n} coordinates, found larger ones")
         if isinstance(scene.add(KINDS[item["class"]](**data)), Misfit):
@@ -110,24 +125,19 @@ def rebuilt(gravity: Any, items: list[Data], n: int, most: int) -> Scene:
     return scene
 
 
-def _decoded(value: Any, scene: Scene) -> Any:
+def decoded(value: Any, scene: Scene) -> Any:
+    """What a field of a described item was."""
     if isinstance(value, list):
-        return [_decoded(part, scene) for part in value]
+        return [decoded(part, scene) for part in value]
     if not isinstance(value, dict):
         return value
     if "item" in value:
         return scene[value["item"]]
     if _is_function(value):
-        return Missing(value["function"])
-    axes = tuple(_decoded_map(axis, scene) for axis in value["axes"])
-    return Marker(value["marker"], scene, _decoded_map(value["point"], scene), axes, value["rigid"])
-
-
-def _decoded_map(data: Data, scene: Scene) -> Affine:
-    rows, weights = np.array(data["rows"], dtype=np.intp), np.array(data["weights"], dtype=float)
-    if rows.size and not 0 <= rows.min() <= rows.max() < scene.layout.n_rows:
-        raise ValueError(f"markers: expected rows of items added before, found {rows.tolist()}")
-    if scene.dimension == 2:
-        pairs = weights.reshape(-1, 2)
-        weights = pairs[:, 0] + 1j * pairs[:, 1]
-    return Affine(rows, weights, np.array(data["constant"], dtype=float))
+        return Missing(value["at zero"])
+    if "function" in value:
+        parts = {name: part if name == "constants" else decoded(part, scene) for name, part in value["fields"].items()}
+        return library.KINDS[value["function"]](**parts)
+    if not all(isinstance(number, (int, float)) for number in value["at"]):
+        raise ValueError(f"marker of {value['marker']!r}: at: expected numbers, found {value['at']!r}")
+    return scene[value["marker"]].at(*value["at"])

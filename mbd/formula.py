@@ -18,11 +18,13 @@ AGREED = 1e-6
 class Formula:
     """f(*before, x_1 ... x_k) with r values, its gradient [r, k] and, for measures, its Hessian [r, k, k]; ``before`` may be the time.
 
-    A derivative may be given as a function of the same arguments that returns it in that shape, without axes of length 1.
+    A derivative may be given as a function of the same arguments that returns it in that shape, without axes of length 1; or the function
+    carries it as an attribute ``gradient`` or ``hessian``, as ``mbd.Expression`` does.
     """
 
     def __init__(self, function: Any, gradient: Any, hessian: Any, shape: tuple[int, int], item: str):
-        self.function, self._gradient, self._hessian, self.item = function, gradient, hessian, item
+        self.function, self.item, self._given = function, item, {"gradient": gradient, "hessian": hessian}
+        self._gradient, self._hessian = (given or getattr(function, what, None) for what, given in self._given.items())
         self.r, self.k = shape
 
     def value(self, x: Array, *before: float) -> Array:
@@ -76,9 +78,9 @@ class Formula:
             return []
 
     def _disagreements(self, x: Array, before: tuple[float, ...]) -> list[str]:
-        free = Formula(self.function, None, None, (self.r, self.k), self.item)
+        free = Formula(lambda *x: self.function(*x), None, None, (self.r, self.k), self.item)
         found = []
-        for what, given in (("gradient", self._gradient), ("hessian", self._hessian)):
+        for what, given in self._given.items():
             if given:
                 claimed, true = getattr(self, what)(x, *before), getattr(free, what)(x, *before)
                 if np.max(np.abs(claimed - true)) > AGREED * max(np.max(np.abs(claimed)), np.max(np.abs(true)), 1e-300):

@@ -15,6 +15,7 @@ class Marker:
 
     axes: of a planar body or the ground its first axis (the second is i times it), of a spatial body or the ground three
     (orthonormal), of a cable its tangent dr/ds (not a unit vector: it stretches with the beam), of a particle none.
+    arguments: what its item's ``at(...)`` was given, so that files can ask for the same marker; None where it was made otherwise.
     """
 
     item: str
@@ -22,6 +23,7 @@ class Marker:
     point: Affine
     axes: tuple[Affine, ...]
     rigid: bool
+    arguments: tuple[float, ...] | None = None
 
     def __repr__(self) -> str:
         return f"<marker of {self.item!r}>"

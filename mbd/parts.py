@@ -188,4 +188,4 @@ def _moved(value: Any, scene: Scene, new_row: NDArray[np.intp]) -> Any:
 def _moved_marker(marker: Marker, scene: Scene, new_row: NDArray[np.intp]) -> Marker:
     """The marker with the rows of its part."""
     point, *axes = (Affine(new_row[map_.rows], map_.weights, map_.constant) for map_ in (marker.point, *marker.axes))
-    return Marker(marker.item, scene, point, tuple(axes), marker.rigid)
+    return Marker(marker.item, scene, point, tuple(axes), marker.rigid, marker.arguments)

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,16 +19,18 @@ import numpy as np
 from . import validate
 from .affine import Array
 from .errors import SimulationError
+from .fields import Function, Vector
 
 SAME, BESIDE = 32.0, 64.0
 """In units of rounding: times this near to a jump are the jump, and how far beside it a function is called instead."""
 
 
+@dataclass(frozen=True)
 class Piecewise:
     """A function of time that is smooth but at its ``discontinuities``."""
 
-    def __init__(self, function: Callable[[float], Any], discontinuities: Sequence[float]):
-        self.function, self.discontinuities = function, discontinuities
+    function: Function
+    discontinuities: Vector
 
     def __call__(self, t: float) -> Any:
         return self.function(t)

@@ -15,6 +15,7 @@ import numpy as np
 
 from .affine import Array
 from .differences import derivative, integral
+from .fields import Function
 from .signal import Signal
 
 
@@ -26,9 +27,9 @@ class Motion:
     Any callable with attributes ``rate`` and ``acceleration`` will do as well.
     """
 
-    value: Callable[[float], Any]
-    rate: Callable[[float], Any] | None = None
-    acceleration: Callable[[float], Any] | None = None
+    value: Function
+    rate: Function = None
+    acceleration: Function = None
 
     def __call__(self, t: float) -> Any:
         return self.value(t)
