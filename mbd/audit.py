@@ -8,12 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .affine import Array
+from .displayed import Displayed
 from .system import System
 from .trajectory import Joined, Trajectory
 
 
 @dataclass(frozen=True)
-class Audit:
+class Audit(Displayed):
     """What a run did to the quantities that should stay: largest values over all accepted steps.
 
     position_drift   |g| (of drives: from what is asked) as a length, relative to the scene's length
@@ -49,6 +51,15 @@ class Audit:
         )
 
 
+class History(NamedTuple):
+    """Of one part, at its accepted steps t [k] [s]: what ``Audit`` tells the largest of; imbalance [J]."""
+
+    t: Array
+    position: Array
+    velocity: Array
+    imbalance: Array
+
+
 class _Found(NamedTuple):
     """What was found in one part: gaps and slips of joints, levers times velocities, and energies."""
 
@@ -74,17 +85,48 @@ def _summed(found: Sequence[_Found], length: float, parts: tuple[Audit, ...] = (
     return Audit(gap / length, slip / max(speed, 1e-300), error, exchanged, level, work, parts)
 
 
+def histories(system: System, trajectory: Trajectory | Joined) -> list[History]:
+    """The drift and the balance of each part over its steps, in the units of the audit."""
+    pieces = trajectory.pieces()
+    speed = max(_speed(each) for each in pieces) or 1e-300
+    told = []
+    for each in pieces:
+        gap, slip = _open(each)
+        told.append(History(each.t, gap / system.length, slip / speed, np.abs(_imbalance(each, _energies(each)))))
+    return told
+
+
+def _open(trajectory: Trajectory) -> tuple[Array, Array]:
+    """[k]: the largest gap of a joint [m], and how fast one opens [m/s]."""
+    system, reach = trajectory.part.system, trajectory.linear.reach
+    joints, goal = system.joints.at(trajectory.q), system.inputs(trajectory.t).targets
+    gaps, slips = joints.value - goal.value, joints.push(trajectory.v) - goal.rate
+    gap, slip = (np.max(np.abs(each) * reach, axis=-1, initial=0.0) for each in (gaps, slips))
+    return gap, slip
+
+
+def _speed(trajectory: Trajectory) -> float:
+    return float(np.max(np.abs(trajectory.v) * trajectory.part.system.levers, initial=0.0))
+
+
+def _energies(trajectory: Trajectory) -> tuple[Array, Array, Array]:
+    system = trajectory.part.system
+    return system.kinetic(trajectory.v), system.elastic(trajectory.q), system.potential(trajectory.q)
+
+
+def _imbalance(trajectory: Trajectory, energies: tuple[Array, Array, Array]) -> Array:
+    balance = energies[0] + energies[1] + energies[2] - trajectory.work
+    return balance - balance[0]
+
+
 def _found(trajectory: Trajectory) -> _Found:
-    system, q, v = trajectory.part.system, trajectory.q, trajectory.v
-    joints, reach, goal = system.joints.at(q), trajectory.linear.reach, system.inputs(trajectory.t).targets
-    kinetic, elastic, potential = system.kinetic(v), system.elastic(q), system.potential(q)
-    balance = kinetic + elastic + potential - trajectory.work
+    (gap, slip), energies = _open(trajectory), _energies(trajectory)
     return _Found(
-        gap=float(np.max(np.abs(joints.value - goal.value) * reach, initial=0.0)),
-        slip=float(np.max(np.abs(joints.push(v) - goal.rate) * reach, initial=0.0)),
-        speed=float(np.max(np.abs(v) * system.levers, initial=0.0)),
-        error=float(np.max(np.abs(balance - balance[0]))),
-        exchanged=max(float(np.ptp(part)) for part in (kinetic, elastic, potential)),
-        level=max(float(np.max(np.abs(part))) for part in (kinetic, elastic, potential)),
+        gap=float(gap.max()),
+        slip=float(slip.max()),
+        speed=_speed(trajectory),
+        error=float(np.max(np.abs(_imbalance(trajectory, energies)))),
+        exchanged=max(float(np.ptp(part)) for part in energies),
+        level=max(float(np.max(np.abs(part))) for part in energies),
         work=float(trajectory.work[-1]),
     )

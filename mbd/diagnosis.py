@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from .displayed import Displayed
 from .edits import Edit
 
 
@@ -64,7 +65,7 @@ class Redundancy:
 
 
 @dataclass(frozen=True)
-class Structure:
+class Structure(Displayed):
     """What ``check`` found.
 
     bodies, joints  names; parts, names of the items of each independent part; loops, names of bodies and joints in turn

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from .affine import Array
 from .audit import Audit, audit
+from .displayed import Displayed
 from .errors import SceneWarning
 from .event import Events
 from .marker import Marker
@@ -42,7 +43,11 @@ class Energy:
         return self.kinetic + self.elastic + self.potential
 
 
-class Result:
+class Statistics(Displayed, dict[str, Any]):
+    """What a run took: solver, steps, factorizations, wall time and so on."""
+
+
+class Result(Displayed):
     """A run of a scene.
 
     t [n_t]: the accepted steps (of several independent parts: of the one that took most), or ``t_eval``; q, v [n_t, n] in order of
@@ -60,7 +65,7 @@ class Result:
         chosen: tuple[Array, Array, Array] | None,
         events: Events,
     ):
-        self.scene, self.system, self.trajectory, self.stats, self.assembly = scene, system, trajectory, stats, assembly
+        self.scene, self.system, self.trajectory, self.stats, self.assembly = scene, system, trajectory, Statistics(stats), assembly
         self.chosen, self.events = chosen, events
         self._instants: dict[Part, tuple[Array, Array]] = {}
         self._warned: set[str] = set()
@@ -237,6 +242,21 @@ class Result:
         from .plot import animate
 
         return animate(self, path, fps=fps, speed=speed)
+
+    def report(
+        self, path: str | os.PathLike[str], *, outputs: dict[str, Any] | None = None, verification: Any = None, title: str | None = None
+    ) -> None:
+        """Writes the run as one HTML file: animation, plots, audit, structure, statistics, the scene. It opens in any browser, without a network.
+
+        outputs       what to plot and follow, by name: markers (their paths), joints (reactions), measures, bodies; None: what moves
+        verification  error estimates to show beside: anything that prints as a table, with ``errors`` by name over ``t`` where it has them
+        title         of the page; None: the file's name
+
+        Raises ValueError for outputs that are not of this scene, and for a scene that has grown since the run.
+        """
+        from .report import write
+
+        write(self, path, outputs, verification, title)
 
 
 def _marker(marker: Any) -> Marker:

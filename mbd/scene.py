@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import validate
 from .affine import Affine
+from .displayed import Displayed
 from .errors import SceneError
 from .layout import Layout
 from .marker import Marker
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from .parts import Part
 
 
-class Scene:
+class Scene(Displayed):
     """A mechanism under construction.
 
     gravity  [d] [m/s^2]; two components make a planar scene, three a spatial one. Any consistent set of units works.

@@ -1,0 +1,163 @@
+"""Still pictures as SVG: a scene at its start, or a run as shapes at several times. For notebooks, print, and where there are no scripts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..affine import Array
+from ..drawing import FINE, Drawing
+from ..result import Result
+from ..scene import Scene
+from .words import text
+
+WIDTH, LEFT, ROOM = 640.0, 62.0, 40.0
+"""Pixels: of the picture, beside its axis, and around it."""
+SHADES = np.array([(68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (180, 205, 40)])
+"""From the first time to the last: the viridis map, without its palest end."""
+AZIMUTH, ELEVATION = -0.9, 0.45
+"""From where space is seen [rad]; the page starts with the same view."""
+STROKE = {"beam": 2.5, "rod": 4.0, "arm": 1.5, "hull": 1.5, "axes": 1.5, "disc": 1.5, "spring": 1.2, "link": 1.5, "guide": 0.8}
+DASHED = {"link": "6 3", "guide": "8 3 2 3"}
+
+
+def scene_picture(scene: Scene) -> str:
+    """The scene at its start, as described."""
+    q = scene.build().q0[None]
+    drawing = Drawing(scene, q, fine=FINE // 4)
+    return picture(drawing, drawing.at(q), np.zeros(0), f"the scene at its start: {len(scene.items)} items")
+
+
+def run_picture(result: Result, shapes: int = 9) -> str:
+    """The run as shapes at even times."""
+    t = np.linspace(result.trajectory.t[0], result.trajectory.t[-1], shapes)
+    try:
+        q, _ = result.trajectory.at(t)
+    except Exception:  # a result from a file that lost its functions of time has no values between its steps
+        chosen = np.unique(np.linspace(0, len(result.t) - 1, shapes).round().astype(int))
+        t, q = result.t[chosen], result.q[chosen]
+    drawing = Drawing(result.scene, q, fine=FINE // 4)
+    return picture(drawing, drawing.at(q), t, f"shapes at {len(t)} times from {t[0]:g} to {t[-1]:g} s")
+
+
+def picture(drawing: Drawing, points: Array, times: Array, title: str) -> str:
+    """points [n_t, n_points, d]; times [n_t] [s], from the second on a key to the shades."""
+    flat = projected(points, drawing.scene.gravity)
+    low, high = _box(flat, drawing.extent)
+    scale = min((WIDTH - LEFT - ROOM) / (high[0] - low[0]), 420.0 / (high[1] - low[1]))
+    left = LEFT + 0.5 * (WIDTH - LEFT - ROOM - scale * (high[0] - low[0]))
+    height = scale * (high[1] - low[1]) + 2.0 * ROOM + 20.0
+    place = np.stack((left + scale * (flat[..., 0] - low[0]), ROOM + scale * (high[1] - flat[..., 1])), axis=-1)
+    parts = _axes(low, high, scale, left) if drawing.scene.dimension == 2 else []
+    for k, at in enumerate(place):
+        colour = _shade(k / max(len(place) - 1, 1)) if len(place) > 1 else "currentColor"
+        parts += [_shape(shape.form, at[list(shape.points)], colour, last=k == len(place) - 1) for shape in drawing.shapes]
+    parts += _key(times, height) if len(times) > 1 else []
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:g} {height:.0f}" role="img" aria-label="{text(title)}"'
+    style = 'style="max-width:100%;height:auto" font-family="sans-serif" font-size="12" fill="currentColor"'
+    return f"{head} width=\"{WIDTH:g}\" {style}><title>{text(title)}</title>{''.join(parts)}</svg>"
+
+
+def projected(points: Array, gravity: Array) -> Array:
+    """[..., 2]: in space seen from aside and a little above, the vertical being that of gravity (z without)."""
+    if points.shape[-1] == 2:
+        return points
+    return points @ view(gravity).T
+
+
+def upward(gravity: Array) -> int:
+    """The axis of space that stands upright."""
+    return int(np.argmax(np.abs(gravity))) if np.any(gravity) else 2
+
+
+def view(gravity: Array) -> Array:
+    """[2, 3]: to the right and up on the picture."""
+    up = upward(gravity)
+    order = [(up + 1) % 3, (up + 2) % 3, up]
+    ca, sa, ce, se = np.cos(AZIMUTH), np.sin(AZIMUTH), np.cos(ELEVATION), np.sin(ELEVATION)
+    out = np.zeros((2, 3))
+    out[:, order] = [[-sa, ca, 0.0], [-ca * se, -sa * se, ce]]
+    return out
+
+
+def _box(flat: Array, extent: float) -> tuple[Array, Array]:
+    every = flat.reshape(-1, 2)
+    low, high = (every.min(axis=0), every.max(axis=0)) if len(every) else (np.zeros(2), np.zeros(2))
+    thin = np.maximum(0.15 * max(float(np.max(high - low)), 0.1 * extent) - (high - low), 0.0) / 2.0
+    return low - thin, high + thin
+
+
+def _shade(fraction: float) -> str:
+    place = fraction * (len(SHADES) - 1)
+    return "rgb(" + ",".join(str(round(float(np.interp(place, range(len(SHADES)), column)))) for column in SHADES.T) + ")"
+
+
+def _path(points: Array) -> str:
+    return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points)
+
+
+def _shape(form: str, at: Array, colour: str, last: bool) -> str:
+    if form in STROKE:
+        line = _zigzag(at) if form == "spring" else at[1:] if form == "disc" else at
+        dash = f' stroke-dasharray="{DASHED[form]}"' if form in DASHED else ""
+        fill = f'{colour}" fill-opacity="0.12' if form in ("hull", "disc") else "none"
+        look = f'stroke="{colour}" stroke-width="{STROKE[form]}" stroke-linejoin="round" stroke-linecap="round"{dash}'
+        return f'<path d="{_path(line)}" fill="{fill}" {look}/>'
+    x, y = at[0]
+    if form in ("centre", "particle"):
+        return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{2 if form == "centre" else 5}" fill="{colour}"/>'
+    if not last or form in ("output", "force"):
+        return ""
+    if form == "ground":
+        hatch = "".join(f"M{x + k:.1f} {y + 12:.1f}l-4 5" for k in (-8, -3, 2, 7))
+        return f'<path d="M{x:.1f} {y:.1f}l-8 12h16zM{x - 12:.1f} {y + 12:.1f}h24{hatch}" fill="none" stroke="currentColor"/>'
+    if form in ("clamp", "slider"):
+        turn = np.degrees(np.arctan2(*(at[1] - at[0])[::-1])) if form == "slider" else 0.0
+        half = 8 if form == "slider" else 5
+        return (
+            f'<rect x="{-half}" y="-5" width="{2 * half}" height="10" transform="translate({x:.1f} {y:.1f}) rotate({turn:.1f})" '
+            f'fill="{"currentColor" if form == "clamp" else "white"}" stroke="currentColor"/>'
+        )
+    return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="white" stroke="currentColor" stroke-width="1.5"/>'
+
+
+def _zigzag(ends: Array, teeth: int = 8, width: float = 5.0) -> Array:
+    a, b = ends
+    along = b - a
+    size = float(np.hypot(*along)) or 1.0
+    across = np.array([-along[1], along[0]]) / size
+    places = np.concatenate(([0.0, 0.15], 0.15 + 0.7 * (np.arange(2 * teeth) + 0.5) / (2 * teeth), [0.85, 1.0]))
+    sides = np.concatenate(([0.0, 0.0], width * (-1.0) ** np.arange(2 * teeth), [0.0, 0.0]))
+    return a + places[:, None] * along + sides[:, None] * across
+
+
+def nice(low: float, high: float, most: int) -> Array:
+    """Round numbers between two, about as many as wanted."""
+    step = 10.0 ** np.floor(np.log10((high - low) / most))
+    step *= next(m for m in (1, 2, 5, 10) if (high - low) / (m * step) <= most)
+    return np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step
+
+
+def _axes(low: Array, high: Array, scale: float, left: float) -> list[str]:
+    bottom = ROOM + scale * (high[1] - low[1]) + 12.0
+    out = []
+    for x in nice(low[0], high[0], 7):
+        at = left + scale * (x - low[0])
+        out.append(f'<path d="M{at:.1f} {bottom:.1f}v5" stroke="currentColor"/><text x="{at:.1f}" y="{bottom + 18:.1f}" text-anchor="middle">{x:.6g}</text>')
+    for y in nice(low[1], high[1], 5):
+        at = ROOM + scale * (high[1] - y)
+        out.append(f'<path d="M{left - 14:.1f} {at:.1f}h-5" stroke="currentColor"/><text x="{left - 22:.1f}" y="{at + 4:.1f}" text-anchor="end">{y:.6g}</text>')
+    right = left + scale * (high[0] - low[0])
+    out.append(f'<text x="{right + 8:.1f}" y="{bottom + 5:.1f}">x [m]</text><text x="{left - 30:.1f}" y="{ROOM - 22:.1f}">y [m]</text>')
+    return out
+
+
+def _key(times: Sequence[float] | Array, height: float) -> list[str]:
+    out, width = [], 150.0
+    first = WIDTH - width - 70.0
+    for k in range(len(times)):
+        x = first + k * width / len(times)
+        out.append(f'<rect x="{x:.1f}" y="8" width="{width / len(times):.1f}" height="8" fill="{_shade(k / (len(times) - 1))}"/>')
+    ends = f'<text x="{first - 6:.1f}" y="16" text-anchor="end">t = {times[0]:.4g}</text><text x="{first + width + 6:.1f}" y="16">{times[-1]:.4g} s</text>'
+    return [*out, ends]
