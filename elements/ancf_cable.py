@@ -172,7 +172,7 @@ class Cable:
         point, slope = hermite(xi) * scale, hermite_slope(xi) * scale / length
         keep, bend = point != 0.0, slope != 0.0
         tangent = Affine.of(rows[bend], slope[bend], d)
-        return Marker(self.name, self.site.scene, Affine.of(rows[keep], point[keep], d), (tangent,), rigid=False)
+        return Marker(self.name, self.site.scene, Affine.of(rows[keep], point[keep], d), (tangent,), rigid=False, place=(s,))
 
     def assemble(self, model: Model) -> None:
         c, n = self.description, len(self.lengths)

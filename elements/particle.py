@@ -48,7 +48,7 @@ class PlacedParticle:
 
     def at(self) -> Marker:
         point = Affine.of([self.row], [1.0], self.description.position.size)
-        return Marker(self.name, self.site.scene, point, (), rigid=True)
+        return Marker(self.name, self.site.scene, point, (), rigid=True, place=())
 
     def assemble(self, model: Model) -> None:
         mass = np.array([[float(self.description.mass)]])

@@ -180,7 +180,7 @@ class Body:
             raise SceneError([f"body {self.name!r}: {what}"])
         arm = np.array(point or np.zeros(d), dtype=float)
         weights = [complex(*arm)] if d == 2 else list(arm)
-        return Marker(self.name, self.site.scene, Affine.of(self.rows, [1.0, *weights], d), self.axes, rigid=True)
+        return Marker(self.name, self.site.scene, Affine.of(self.rows, [1.0, *weights], d), self.axes, rigid=True, place=point)
 
     def assemble(self, model: Model) -> None:
         mass, axes = float(self.description.mass), self.axes

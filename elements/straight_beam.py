@@ -91,7 +91,7 @@ class PlacedBeam:
         if not 0.0 <= s <= 1.0:
             raise SceneError([f"beam {self.name!r}: at: expected a fraction of the length between 0 and 1, found {s!r}; correct it"])
         point, axes = self.locate(s)
-        return Marker(self.name, self.site.scene, point, axes, rigid=False)
+        return Marker(self.name, self.site.scene, point, axes, rigid=False, place=(s,))
 
     def locate(self, s: float) -> tuple[Affine, tuple[Affine, ...]]:
         """The point at s and the axis there, where there is one."""

@@ -82,6 +82,7 @@ if TYPE_CHECKING:
     from .statics import equilibrium
     from .structure import check
     from .target import Motion
+    from .verification import Verification, verify
     from .vibration import Modes, modes
 
 _HOMES = {
@@ -148,6 +149,7 @@ _HOMES = {
     "precision": ("WorkPrecision", "work_precision"),
     "target": ("Motion",),
     "linearisation": ("Linearization", "linearize"),
+    "verification": ("Verification", "verify"),
     "vibration": ("Modes", "modes"),
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names}
@@ -210,6 +212,7 @@ __all__ = [
     "TorsionSpring",
     "Universal",
     "UserMeasure",
+    "Verification",
     "Wheel",
     "WorkPrecision",
     "__version__",
@@ -224,6 +227,7 @@ __all__ = [
     "modes",
     "piecewise",
     "simulate",
+    "verify",
     "work_precision",
 ]
 

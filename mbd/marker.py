@@ -15,6 +15,7 @@ class Marker:
 
     axes: of a planar body or the ground its first axis (the second is i times it), of a spatial body or the ground three
     (orthonormal), of a cable its tangent dr/ds (not a unit vector: it stretches with the beam), of a particle none.
+    place: the numbers given to the item's ``at``, which find the same marker on another mesh; None where they are not known.
     """
 
     item: str
@@ -22,6 +23,7 @@ class Marker:
     point: Affine
     axes: tuple[Affine, ...]
     rigid: bool
+    place: tuple[float, ...] | None = None
 
     def __repr__(self) -> str:
         return f"<marker of {self.item!r}>"

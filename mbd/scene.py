@@ -173,7 +173,7 @@ class Ground:
         """The marker at (x, y[, z]) [m], by default the origin; its axes are the inertial ones."""
         d = self.scene.dimension
         axes = tuple(Affine.fixed(axis) for axis in np.eye(d)[: 1 if d == 2 else 3])
-        return Marker(self.name, self.scene, Affine.fixed(point or np.zeros(d)), axes, rigid=True)
+        return Marker(self.name, self.scene, Affine.fixed(point or np.zeros(d)), axes, rigid=True, place=point)
 
 
 class Misfit:
