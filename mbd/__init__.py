@@ -86,6 +86,7 @@ if TYPE_CHECKING:
     from .sweeps.sweep import sweep
     from .sweeps.table import Sweep
     from .target import Motion
+    from .verification import Verification, verify
     from .vibration import Modes, modes
 
 _HOMES = {
@@ -154,6 +155,7 @@ _HOMES = {
     "precision": ("WorkPrecision", "work_precision"),
     "target": ("Motion",),
     "linearisation": ("Linearization", "linearize"),
+    "verification": ("Verification", "verify"),
     "vibration": ("Modes", "modes"),
     "sweeps.sweep": ("sweep",),
     "sweeps.table": ("Sweep",),
@@ -225,6 +227,7 @@ __all__ = [
     "TorsionSpring",
     "Universal",
     "UserMeasure",
+    "Verification",
     "Wheel",
     "WorkPrecision",
     "__version__",
@@ -241,6 +244,7 @@ __all__ = [
     "read_scene",
     "simulate",
     "sweep",
+    "verify",
     "work_precision",
     "write_scene",
 ]

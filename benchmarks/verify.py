@@ -1,0 +1,147 @@
+"""``python -m benchmarks.verify [--case NAME ...] [--out FOLDER]``: what the estimates of ``mbd.verify`` are worth, and what they cost.
+
+True errors are those against closed forms or runs far tighter by another method. Each case is merged into docs/verify.json, from which
+docs/verify.md is written: an interrupted run goes on with --case. Bars that are not met are marked with "!".
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import mbd
+from mbd.verify_outputs import outputs_of
+
+from . import report
+from .tables import table
+from .verify_cases import BY_NAME, CASES, Case
+
+OUT = Path(__file__).parent.parent / "docs"
+MOST, LEAST = 3.0, 0.01
+"""What the true error may be, in units of the estimate."""
+PRICE = 3.5
+"""What ``verify`` may take, in units of one run."""
+TIMES = 60
+"""Instants of the result at which true errors are taken."""
+FEW = 0.3
+"""Runs shorter than this [s] are timed again, and the fastest counts."""
+
+Entry = dict[str, Any]
+
+
+def reference(case: Case, times: np.ndarray) -> tuple[dict[str, np.ndarray], dict[str, float]]:
+    """The values [k, m] of every output, and what they are known to: closed forms to rounding, runs to the difference between two of them."""
+    tight = 1e-11 if case.elastic else 1e-12
+    values = []
+    for solver in (mbd.Radau(7), mbd.Radau(5) if case.elastic else mbd.DormandPrince()):
+        scene, outputs = case.build()
+        run = mbd.simulate(scene, case.t_end, rtol=tight, solver=solver, t_eval=times)
+        values.append({output.name: output.values(run) for output in outputs_of(scene, outputs)})
+    known = {name: float(np.max(np.linalg.norm(values[0][name] - values[1][name], axis=1))) for name in values[0]}
+    for name, exact in case.exact.items():
+        values[0][name], known[name] = exact(times), 1e-14 * float(np.max(np.abs(exact(times))))
+    return values[0], known
+
+
+def measure(case: Case) -> list[Entry]:
+    """A row for every output at every setting."""
+    entries: list[Entry] = []
+    for solver in case.solvers:
+        for rtol in case.rtols:
+            entries += _rows(case, rtol, solver)
+            print(*(f"{case.name}: {row}" for row in entries[-3:]), sep="\n", flush=True)
+    return entries
+
+
+def _rows(case: Case, rtol: float, solver: Any) -> list[Entry]:
+    scene, outputs = case.build()
+    price, found = cost(scene, outputs, case.t_end, rtol, solver)
+    chosen = np.unique(np.round(np.linspace(0, found.t.size - 1, TIMES)).astype(int))
+    exact, known = reference(case, found.t[chosen])
+    kinds = {output.name: output for output in outputs_of(scene, outputs)}
+    rows = []
+    for row in found.rows:
+        error = np.linalg.norm(kinds[row.output].values(found.result)[chosen] - exact[row.output], axis=1)
+        shares = error / found.errors[row.output][chosen]
+        rows.append({
+            "setting": f"rtol {rtol:.0e}" if solver is None else repr(solver), "output": row.output, "unit": row.unit, "verdict": row.verdict,
+            "true": float(np.max(error)), "estimate": row.worst, "known": known[row.output], "order": row.order, "anywhere": float(np.max(shares)),
+            "price": price, "exponent": found.growth.exponent, "exponential": found.growth.exponential})  # fmt: skip
+    return rows
+
+
+def cost(scene: mbd.Scene, outputs: dict[str, Any], t_end: float, rtol: float, solver: Any) -> tuple[float, mbd.Verification]:
+    """Processor time of ``verify`` over that of one run with the same outputs read at its steps, fastest of some where they are short."""
+    single, whole, started = [], [], time.perf_counter()
+    watched = outputs_of(scene, outputs)
+    scene.parts()
+    while not whole or (time.perf_counter() - started < FEW * 5 and len(whole) < 5):
+        clock = time.process_time()
+        run = mbd.simulate(scene, t_end, rtol=rtol, solver=solver)
+        for output in watched:
+            output.values(run)
+        single.append(time.process_time() - clock)
+        clock = time.process_time()
+        found = mbd.verify(scene, t_end, outputs=outputs, rtol=rtol, solver=solver)
+        whole.append(time.process_time() - clock)
+    return min(whole) / min(single), found
+
+
+def share(row: Entry) -> float | None:
+    """The worst true error over the worst estimate; None where the true one is not known well enough."""
+    return None if row["true"] <= 3.0 * row["known"] and row["estimate"] <= 30.0 * row["known"] else row["true"] / row["estimate"]
+
+
+def page(entries: dict[str, list[Entry]], where: str) -> str:
+    """All cases measured so far, as Markdown."""
+    rows = [row for name in BY_NAME for row in entries.get(name, [])]
+    shares = [value for row in rows if row["verdict"] == "ok" and (value := share(row)) is not None]
+    prices = [row["price"] for row in rows]
+    parts = [
+        "# What the errors of `mbd.verify` are worth",
+        "Written by `python -m benchmarks.verify`. True errors are those of the result, against closed forms or against runs far tighter by another "
+        "method (Radau IIA, 7 stages, at rtol 1e-12, of beams 1e-11); `!` marks a bar that is not met.",
+        f"Worst true error over worst estimate: bars {LEAST:g} and {MOST:g}; found {min(shares):.3g} to {max(shares):.3g} in {len(shares)} "
+        f"estimates of {len(entries)} cases. Anywhere: the largest ratio of a true error to the estimate at that very time; bar {MOST:g}. "
+        f"Price: processor time over that of one run at the rtol or step asked for; bar {PRICE:g}; found {min(prices):.2f} to {max(prices):.2f}.",
+        "Empty: below what is known of the reference.",
+        table(["case", "setting", "output", "worst estimate", "true / estimate", "anywhere", "order", "price", "verdict"],
+              [[name, *_cells(row)] for name in BY_NAME for row in entries.get(name, [])]),
+        f"Measured on: {where}",
+    ]  # fmt: skip
+    return "\n\n".join(parts) + "\n"
+
+
+def _cells(row: Entry) -> list[str]:
+    value, quoted = share(row), np.isfinite(row["estimate"])
+    ratio = "" if value is None or not quoted else f"{value:.2g}" + ("" if LEAST <= value <= MOST else " !")
+    anywhere = "" if value is None or not quoted else f"{row['anywhere']:.2g}" + (" !" if row["anywhere"] > MOST else "")
+    estimate = f"{row['estimate']:.1e} {row['unit']}".strip() if quoted else ""
+    order = "" if np.isnan(row["order"]) else f"{row['order']:.2f}"
+    price = f"{row['price']:.2f}" + (" !" if row["price"] > PRICE else "")
+    return [row["setting"], row["output"], estimate, ratio, anywhere, order, price, row["verdict"]]
+
+
+def main(given: Sequence[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.verify", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--case", nargs="+", default=list(BY_NAME), choices=list(BY_NAME), metavar="NAME", help=", ".join(BY_NAME))
+    parser.add_argument("--out", type=Path, default=OUT, help="folder of the page")
+    options = parser.parse_args(given)
+    path = options.out / "verify.json"
+    entries: dict[str, list[Entry]] = json.loads(path.read_text()) if path.exists() else {}
+    warnings.simplefilter("ignore", mbd.SceneWarning)
+    for case in (case for case in CASES if case.name in options.case):
+        entries[case.name] = measure(case)
+        path.write_text(json.dumps(entries, indent=1) + "\n")
+        path.with_suffix(".md").write_text(page(entries, report.machine()))
+
+
+if __name__ == "__main__":
+    main()
