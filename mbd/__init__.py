@@ -42,7 +42,7 @@ if TYPE_CHECKING:
         Torque,
         TorsionSpring,
     )
-    from .errors import SceneError, SceneWarning, SimulationError
+    from .errors import Interrupted, SceneError, SceneWarning, SimulationError
     from .event import Event
     from .joints import (
         Actuator,
@@ -74,6 +74,7 @@ if TYPE_CHECKING:
     from .paths import Bifurcation, Branch
     from .precision import WorkPrecision, work_precision
     from .result import Result
+    from .resumption import resume
     from .run import simulate
     from .scene import Scene
     from .signal import piecewise
@@ -127,7 +128,7 @@ _HOMES = {
         "Wheel",
     ),
     "solvers": ("Automatic", "DormandPrince", "Gauss", "GeneralizedAlpha", "Radau"),
-    "errors": ("SceneError", "SceneWarning", "SimulationError"),
+    "errors": ("Interrupted", "SceneError", "SceneWarning", "SimulationError"),
     "event": ("Event",),
     "signal": ("piecewise",),
     "marker": ("Marker",),
@@ -136,6 +137,7 @@ _HOMES = {
     "scene": ("Scene",),
     "assembly": ("assemble",),
     "derivations.scene_equations": ("equations",),
+    "resumption": ("resume",),
     "run": ("simulate",),
     "balance": ("Equilibrium",),
     "branches": ("continuation",),
@@ -180,6 +182,7 @@ __all__ = [
     "Gear",
     "GeneralizedAlpha",
     "GeometricallyExactBeam",
+    "Interrupted",
     "KnifeEdge",
     "Length",
     "Linearization",
@@ -223,6 +226,7 @@ __all__ = [
     "load",
     "modes",
     "piecewise",
+    "resume",
     "simulate",
     "work_precision",
 ]
