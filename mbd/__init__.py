@@ -42,7 +42,7 @@ if TYPE_CHECKING:
         Torque,
         TorsionSpring,
     )
-    from .errors import SceneError, SceneWarning, SimulationError
+    from .errors import Interrupted, SceneError, SceneWarning, SimulationError
     from .event import Event
     from .files import read_scene, write_scene
     from .functions import Expression, Ramp, Sine, SmoothStep, Spline, Table
@@ -76,6 +76,7 @@ if TYPE_CHECKING:
     from .paths import Bifurcation, Branch
     from .precision import WorkPrecision, work_precision
     from .result import Result
+    from .resumption import resume
     from .run import simulate
     from .scene import Scene
     from .signal import piecewise
@@ -132,7 +133,7 @@ _HOMES = {
         "Wheel",
     ),
     "solvers": ("Automatic", "DormandPrince", "Gauss", "GeneralizedAlpha", "Radau"),
-    "errors": ("SceneError", "SceneWarning", "SimulationError"),
+    "errors": ("Interrupted", "SceneError", "SceneWarning", "SimulationError"),
     "event": ("Event",),
     "functions": ("Expression", "Ramp", "Sine", "SmoothStep", "Spline", "Table"),
     "files": ("read_scene", "write_scene"),
@@ -143,6 +144,7 @@ _HOMES = {
     "scene": ("Scene",),
     "assembly": ("assemble",),
     "derivations.scene_equations": ("equations",),
+    "resumption": ("resume",),
     "run": ("simulate",),
     "balance": ("Equilibrium",),
     "branches": ("continuation",),
@@ -191,6 +193,7 @@ __all__ = [
     "Gear",
     "GeneralizedAlpha",
     "GeometricallyExactBeam",
+    "Interrupted",
     "KnifeEdge",
     "Length",
     "Linearization",
@@ -242,6 +245,7 @@ __all__ = [
     "modes",
     "piecewise",
     "read_scene",
+    "resume",
     "simulate",
     "sweep",
     "verify",

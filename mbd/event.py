@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .affine import Affine, Array
+from .called import called
 from .errors import SceneError
 from .marker import Marker
 
@@ -68,6 +69,16 @@ class Instant(NamedTuple):
         columns, matrix = _map(axes[0])
         x, y = axes[0].constant + matrix @ self.q[columns]
         return float(np.arctan2(y, x))
+
+
+def event_value(event: Event, name: str, state: Any, time: float) -> float:
+    """An event's function at a state. Raises SimulationError where it fails."""
+
+    def fits(given: Any, value: Array) -> bool:
+        return value.shape == () and not isinstance(given, (bool, np.bool_)) and given is not None
+
+    expected = "a finite number that passes through zero"
+    return float(called(event.function, state, fits=fits, expected=expected, what="the event's function", item=name, time=time))
 
 
 def _marker(marker: Any) -> Marker:

@@ -17,6 +17,7 @@ from .audit import Audit, audit
 from .displayed import Displayed
 from .errors import SceneWarning
 from .event import Events
+from .failures import undetermined
 from .marker import Marker
 from .parts import Index, Part
 from .reaction import reaction
@@ -27,6 +28,7 @@ from .trajectory import Joined, Trajectory
 if TYPE_CHECKING:
     from .assembly import Assembly
     from .outputs import Output
+    from .progress import Progress
     from .scene import Scene
 
 
@@ -64,9 +66,10 @@ class Result(Displayed):
         assembly: Assembly,
         chosen: tuple[Array, Array, Array] | None,
         events: Events,
+        progress: Progress | None = None,
     ):
         self.scene, self.system, self.trajectory, self.stats, self.assembly = scene, system, trajectory, Statistics(stats), assembly
-        self.chosen, self.events = chosen, events
+        self.chosen, self.events, self.progress = chosen, events, progress
         self._instants: dict[Part, tuple[Array, Array]] = {}
         self._warned: set[str] = set()
 
@@ -267,12 +270,16 @@ def _marker(marker: Any) -> Marker:
 
 def _solve_index_one(piece: Trajectory, times: Array, q: Array, v: Array) -> tuple[Array, Array]:
     """Accelerations and multipliers of one part at q, v [..., n_part] and times [...]."""
+    from .solvers.formats import Singular
     from .solvers.start import accelerations, mass_factor
 
     system, linear = piece.part.system, piece.linear
     a, multipliers = np.empty(q.shape), np.empty((*times.shape, system.m))
     for k in np.ndindex(times.shape):
-        factor = mass_factor(system, linear, q[k])
+        try:
+            factor = mass_factor(system, linear, q[k])
+        except Singular as trouble:
+            raise undetermined(system, linear, q[k], float(times[k]), trouble) from trouble
         a[k], multipliers[k] = accelerations(system, factor, q[k], v[k], system.inputs(float(times[k])))
     return a, multipliers
 
