@@ -82,6 +82,10 @@ class Drawing:
         """[n_t, n_points, d] from q [n_t, n]."""
         return np.stack([point.value(q) for point in self.points], axis=1) if self.points else np.zeros((len(q), 0, self.scene.dimension))
 
+    def rates(self, v: Array) -> Array:
+        """The points' velocities [n_t, n_points, d] from v [n_t, n]."""
+        return np.stack([point.rate(v) for point in self.points], axis=1) if self.points else np.zeros((len(v), 0, self.scene.dimension))
+
     def _draw(self, item: Any) -> None:
         if isinstance(item, Cable | PlacedBeam):
             self.add(item.name, "beam", _curve(item, self.fine))

@@ -234,6 +234,12 @@ class Result(Displayed):
 
         to_csv(self, path, outputs, t)
 
+    def to_paraview(self, path: str | os.PathLike[str], t: ArrayLike | None = None) -> None:
+        """Writes what ``plot`` shows for ParaView: ``path`` (.pvd) and a folder of one .vtu file a time. Needs meshio."""
+        from .export.paraview import to_paraview
+
+        to_paraview(self, path, t)
+
     def plot(self, times: ArrayLike | None = None, *, items: Sequence[Any] | None = None, ax: Any = None) -> Any:
         """The deformed shapes at times [s] (by default ten), coloured by time; returns the matplotlib Axes."""
         from .plot import plot

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -87,3 +88,23 @@ def test_outputs_are_checked_all_at_once(planar: Any, spatial: Any, tmp_path: Pa
         result.to_dataframe([outputs["tip"]])
     with pytest.raises(mbd.SceneError, match="one for each time"):
         result.to_dataframe({"bad": lambda r: 1.0})
+
+
+@pytest.mark.parametrize("which", ["planar", "spatial"])
+def test_paraview_files_hold_the_motion(which: str, request: Any, tmp_path: Path):
+    meshio = pytest.importorskip("meshio")
+    result, outputs = request.getfixturevalue(which)
+    times = [0.0, 0.04, 0.1]
+    result.to_paraview(tmp_path / "run.pvd", times)
+    entries = ElementTree.parse(tmp_path / "run.pvd").getroot().findall("./Collection/DataSet")
+    assert [float(entry.get("timestep") or "nan") for entry in entries] == times
+    marker = outputs["tip"] if which == "planar" else outputs["top"].at()
+    mesh = meshio.read(tmp_path / (entries[1].get("file") or ""))
+    position, velocity = (np.zeros(3), np.zeros(3))
+    position[: result.system.dimension] = result.position(marker, 0.04)
+    velocity[: result.system.dimension] = result.velocity(marker, 0.04)
+    nearest = int(np.argmin(np.linalg.norm(mesh.points - position, axis=1)))
+    np.testing.assert_allclose(mesh.points[nearest], position, atol=1e-12)
+    np.testing.assert_allclose(mesh.point_data["velocity"][nearest], velocity, atol=1e-12)
+    numbers = {int(number) for block in mesh.cell_data["item"] for number in block}
+    assert 0 in numbers and numbers <= set(range(len(result.scene.items)))
