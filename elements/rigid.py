@@ -7,12 +7,11 @@ Meth. Engng 51. A flat body or a thin rod makes E singular: solvers take the mas
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from mbd import validate
 from mbd.affine import Affine
@@ -59,7 +58,7 @@ class RigidBody:
             object.__setattr__(self, name, validate.floats(getattr(self, name)))
 
     @classmethod
-    def rod(cls, start: ArrayLike, end: ArrayLike, *, mass: float, radius: float = 0.0, **motion: Any) -> RigidBody:
+    def rod(cls, start: Vector, end: Vector, *, mass: Number, radius: Number = 0.0, **motion: Any) -> RigidBody:
         """A uniform slender rod from start to end [d] [m]; in space a solid cylinder of this radius [m]. Axis 1 runs along it."""
         a, b = validate.floats(start), validate.floats(end)
         if not (isinstance(a, np.ndarray) and isinstance(b, np.ndarray) and a.shape == b.shape and a.shape in ((2,), (3,))):
@@ -78,7 +77,7 @@ class RigidBody:
         return cls(mass=mass, position=0.5 * (a + b), length=length, **pose, **motion)
 
     @classmethod
-    def box(cls, size: Sequence[float], *, mass: float, position: ArrayLike, **motion: Any) -> RigidBody:
+    def box(cls, size: Vector, *, mass: Number, position: Vector, **motion: Any) -> RigidBody:
         """A uniform rectangle (planar) or cuboid (spatial) with edges size [d] [m] along the body axes."""
         edges, m = validate.floats(size), _mass(mass)
         if not (isinstance(edges, np.ndarray) and edges.shape in ((2,), (3,)) and np.isfinite(edges).all() and np.all(edges > 0.0)):

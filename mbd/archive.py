@@ -80,7 +80,7 @@ def write(result: Result, path: str | os.PathLike[str]) -> list[str]:
         arrays |= {name: np.concatenate(parts) for name, parts in zip(EVENTS, zip(*result.events.values()))}
     text = json.dumps(head, default=_plain)
     rows = {name: np.ascontiguousarray(array, dtype="<f8") for name, array in arrays.items()}
-    with _replacing(Path(path).resolve()) as file:
+    with replacing(Path(path).resolve()) as file:
         np.savez(file, allow_pickle=False, head=np.frombuffer(text.encode(), dtype=np.uint8), **rows)
     return list(head["functions"])
 
@@ -117,7 +117,7 @@ def _head(result: Result, progress: Progress, forks: list[Any]) -> dict[str, Any
 
 
 @contextmanager
-def _replacing(path: Path) -> Iterator[io.BufferedWriter]:
+def replacing(path: Path) -> Iterator[io.BufferedWriter]:
     """A file that takes the place of the one at the path when it is complete: whoever is killed leaves the old one or the new one."""
     for left in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
         with suppress(OSError):

@@ -64,7 +64,7 @@ def _described(description: Any, name: str) -> Data:
 
 def _encoded(value: Any, where: str) -> Any:
     if isinstance(value, Marker):
-        return {"marker": value.item, "at": _arguments(value, where)}
+        return {"marker": value.item, "at": arguments(value, where)}
     if is_data(value):
         data = {field.name: _encoded(getattr(value, field.name), where) for field in fields(value)}
         return {"function": type(value).__name__, "fields": data}
@@ -83,7 +83,7 @@ def _encoded(value: Any, where: str) -> Any:
     raise ValueError(f"{where}: expected numbers, texts, markers or functions of t, found {value!r}, which cannot be stored")
 
 
-def _arguments(marker: Marker, where: str) -> list[float]:
+def arguments(marker: Marker, where: str) -> list[float]:
     if marker.arguments is None:
         raise ValueError(f"{where}: expected a marker such as rod.end or body.at(x, y), found one that was made otherwise, which cannot be stored")
     return [float(number) for number in marker.arguments]

@@ -48,7 +48,7 @@ def simulate(
     t_eval    times [n_t] that ``result.t`` shall hold, ascending; None: the accepted steps
     start     a state such as ``result.final``; None: positions and velocities as described
     events    mbd.Event(...) each: zero crossings to record in ``result.events``, or to stop at
-    progress  a bar on the terminal (needs tqdm)
+    progress  a bar on the terminal, silent where standard error is none (needs tqdm)
     checkpoint, every   a file for the result so far, written anew every so many seconds [s] of wall time, and at the end; a run that was
               killed goes on from it by ``mbd.resume``
 
@@ -135,15 +135,17 @@ def warn_of_doubts(result: Result) -> None:
 
 
 class _Bar:
-    """Simulated time on the terminal, of the part furthest behind."""
+    """Simulated time of the part furthest behind on the terminal, the last step and the time that is left; nothing where there is none."""
 
     def __init__(self, t_start: float, t_end: float):
         from tqdm import tqdm
 
         self._t = t_start
-        self._bar = tqdm(total=t_end - t_start, unit="s", bar_format="{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]")
+        form = "{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}{postfix}]"
+        self._bar = tqdm(total=t_end - t_start, unit="s", bar_format=form, disable=None)
 
     def __call__(self, t: float) -> None:
+        self._bar.set_postfix_str(f"step {t - self._t:.1e} s", refresh=False)
         self._bar.update(t - self._t)
         self._t = t
 

@@ -119,6 +119,11 @@ class Scene(Displayed):
     def _leans_on_misfit(self, description: Any) -> bool:
         return any(marker.item in self._bad for marker in getattr(description, "markers", ()))
 
+    @property
+    def complaints(self) -> list[str]:
+        """What is wrong so far, a line each; ``build`` raises them."""
+        return list(self._complaints)
+
     def coordinates(self) -> list[str]:
         """A name for each entry of q: the item and its coordinate, in order of ``add``."""
         return [" ".join(owner) for owner in self.layout.owners()]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -388,9 +389,14 @@ def test_an_imbalance_names_its_part():
 def test_the_bar_ends_at_the_end():
     scene = mbd.Scene()
     springy(scene, 0.0, 50.0, "soft"), springy(scene, 5.0, 5000.0, "stiff")
-    with contextlib.redirect_stderr(io.StringIO()) as shown:
-        mbd.simulate(scene, 0.5, progress=True)
-    assert "100%" in shown.getvalue() and "0.5/0.5 s" in shown.getvalue()
+    terminal, file = io.StringIO(), io.StringIO()
+    terminal.isatty = lambda: True  # type: ignore[method-assign]
+    for stream in (terminal, file):
+        with contextlib.redirect_stderr(stream):
+            mbd.simulate(scene, 0.5, progress=True)
+    said = terminal.getvalue()
+    assert "100%" in said and "0.5/0.5 s" in said and re.search(r"<00:\d\d, step \d\.\de-\d\d s\]", said)
+    assert not file.getvalue()
 
 
 def test_no_matrix_holds_parts_that_run_apart(monkeypatch):

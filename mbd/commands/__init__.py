@@ -1,1 +1,1 @@
-"""The commands of ``python -m mbd``, a module each; what a command needs is imported when it runs."""
+"""The commands of ``mbd``, a module each; what a command needs is imported when it runs."""

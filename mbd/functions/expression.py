@@ -39,7 +39,7 @@ class Expression(AsData):
 
     def __post_init__(self) -> None:
         single = isinstance(self.text, str)
-        texts = [self.text] if single else list(self.text)
+        texts = [self.text] if single else list(self.text) if isinstance(self.text, (list, tuple)) else []
         if not texts or not all(isinstance(text, str) for text in texts):
             raise self._wrong("text", "a formula, or a list of them", self.text)
         self._set(text=self.text if single else tuple(texts), variables=tuple(self.variables))

@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from ..nearest import nearest
+from ..nearest import listed, nearest
 from .jets import SLOPES, Jet, atan2, chain, power
 
 LONGEST, DEEPEST = 1000, 100
@@ -94,6 +94,18 @@ def finite(closure: Closure, values: Sequence[Any]) -> Any:
     return value
 
 
+def arguments(text: str) -> list[str]:
+    """The texts between commas that are not in brackets."""
+    parts, depth = [""], 0
+    for sign in text:
+        depth += (sign == "(") - (sign == ")")
+        if sign == "," and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += sign
+    return parts if text.strip() else []
+
+
 def _tree(text: str) -> ast.expr:
     if len(text) > LONGEST:
         raise ValueError(f"expected a formula of at most {LONGEST} characters, found {len(text)}")
@@ -146,7 +158,7 @@ class _Translation:
             return operator.itemgetter(self.variables.index(node.id))
         if node.id not in self.constants:
             known = [*self.variables, *self.constants]
-            raise ValueError(f"expected one of {', '.join(known)}, found {node.id!r}{nearest(node.id, known)}")
+            raise ValueError(f"expected one of {listed(known)}; found {_short(node.id)}{nearest(node.id, known)}")
         value = self.constants[node.id]
         return lambda x: value
 
@@ -166,7 +178,7 @@ class _Translation:
     def _call(self, node: ast.Call) -> Closure:
         name = node.func.id if isinstance(node.func, ast.Name) else None
         if name not in FUNCTIONS:
-            raise ValueError(f"expected a function among {', '.join(FUNCTIONS)}, found {_shown(node.func)}{nearest(name or '', FUNCTIONS)}")
+            raise ValueError(f"expected a function among {', '.join(FUNCTIONS)}; found {_shown(node.func)}{nearest(name or '', FUNCTIONS)}")
         least, most = (1, 1) if name in VALUES else (2, 2 if name == "atan2" else 20)
         if node.keywords or not least <= len(node.args) <= most:
             raise ValueError(f"{name}: expected {least if least == most else 'two or more'} number{'s' * (most > 1)}, found {_shown(node)}")
