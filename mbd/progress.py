@@ -44,6 +44,10 @@ class Plan:
     t_eval: Array | None
     events: Mapping[str, Event | None]
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the functions of events, which other processes may not know."""
+        return vars(self) | {"events": dict.fromkeys(self.events)}
+
 
 @dataclass(frozen=True, eq=False)
 class Stage:
