@@ -213,10 +213,11 @@ def _restored(head: dict[str, Any], arrays: dict[str, Array]) -> Result:
 
 
 def _plan(data: dict[str, Any], arrays: dict[str, Array]) -> Plan:
-    numbers = [float(data[name]) for name in ("t", "t_end", "rtol")]
-    if not all(map(math.isfinite, numbers)) or not numbers[2] > 0.0:
-        raise ValueError(f"plan: expected finite times and a tolerance, found {numbers}")
-    return Plan(State(*(arrays[name] for name in START), numbers[0]), *numbers[1:], arrays.get(WANTED), dict.fromkeys(map(str, data["events"])))
+    t, t_end, rtol = (float(data[name]) for name in ("t", "t_end", "rtol"))
+    if not (math.isfinite(t + t_end) and 0.0 < rtol < 1.0):
+        raise ValueError(f"plan: expected finite times and a tolerance, found {t}, {t_end} and {rtol}")
+    start = State(arrays[START[0]], arrays[START[1]], t)
+    return Plan(start, t_end, rtol, arrays.get(WANTED), dict.fromkeys(map(str, data["events"])))
 
 
 def _stages(told: list[Any], parts: list[Part], pieces: list[dict[str, Array]], plan: Plan, forks: Array) -> list[Stage]:

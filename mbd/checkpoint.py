@@ -6,8 +6,6 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from .descriptions import described
-
 if TYPE_CHECKING:
     from .result import Result
     from .scene import Scene
@@ -23,6 +21,8 @@ class Checkpoint:
     """
 
     def __init__(self, scene: Scene, path: Any, every: float):
+        from .descriptions import described
+
         described(scene)
         self._path, self._pause, self._every, self._last = path, every, every, time.perf_counter()
 

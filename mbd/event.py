@@ -111,6 +111,10 @@ class Events(Mapping[Any, Times]):
     def __init__(self, times: dict[str, Times], events: Mapping[str, Event]):
         self._times, self._names = times, {event: name for name, event in events.items()}
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the functions, which other processes may not know: there, events go by name."""
+        return {"_times": self._times, "_names": {}}
+
     def __getitem__(self, key: Event | str) -> Times:
         name = self._names.get(key, key.name) if isinstance(key, Event) else key
         if name not in self._times:

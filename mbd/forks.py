@@ -81,7 +81,8 @@ def read(head: dict[str, Any] | None, row: Row, part: Part) -> Mark | None:
     if head["seen"] is not None:
         numbers, last_values = head["seen"]
         seen = Seen({name: _count(value) for name, value in numbers.items()}, {name: float(value) for name, value in last_values.items()})
-    state = State(float(head["t"]), *vectors, memory, counts[7])
+    q, v, multipliers, stress = vectors
+    state = State(float(head["t"]), q, v, multipliers, stress, memory, counts[7])
     return Mark(counts[6], state, rhythm, Counts(*counts[:4]), counts[4], pending, seen)
 
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from .affine import Array
 from .errors import SimulationError
-from .event import Event, Events
+from .event import Events
 from .failures import stopped, undetermined
 from .parts import Part
 from .progress import Mark, Stage
@@ -25,7 +25,7 @@ class Aim(NamedTuple):
 
     t_end: float
     rtol: float
-    events: dict[str, Event]
+    events: Mapping[str, Any]
 
 
 class Back(NamedTuple):
@@ -54,10 +54,10 @@ class Leg:
         system, rtol = part.system, aim.rtol
         self._jumps = discontinuities(system)
         method = solver.integrator(rtol)
-        self.method = OneSided(method, self._jumps) if self._jumps.size else method
+        self.method: Any = OneSided(method, self._jumps) if self._jumps.size else method
         self._tolerance = rtol * system.length
         self._record = Record(states)
-        self.watch = Watch(aim.events, system, linear, self.method, self._tolerance) if aim.events else None
+        self.watch = Watch(dict(aim.events), system, linear, self.method, self._tolerance) if aim.events else None
         self.fork = self._mark = back.mark if back else None
         self._work = Work(system, self._jumps, back.work[: back.mark.pending.done + 1] if back else None)
         if back:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -34,13 +35,18 @@ class Mark(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What a run was asked: where it starts (as given, before anything was corrected), t_end [s], rtol, ``t_eval`` [k] or None, events."""
+    """What a run was asked: where it starts (as given, before anything was corrected), t_end [s], rtol, ``t_eval`` [k] or None, and events by
+    name: None where only the name is known, from a file."""
 
     start: State
     t_end: float
     rtol: float
     t_eval: Array | None
-    events: dict[str, Event]
+    events: Mapping[str, Event | None]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the functions of events, which other processes may not know."""
+        return vars(self) | {"events": dict.fromkeys(self.events)}
 
 
 @dataclass(frozen=True, eq=False)

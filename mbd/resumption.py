@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 from .assembly import prepared
 from .checkpoint import Checkpoint
 from .course import Course
-from .descriptions import described, functions
 from .errors import SceneError
 from .event import Event, named
 from .leg import Aim, Back, Leg
@@ -56,7 +55,7 @@ def resume(
     result = _loaded(run)
     before = _progress(result)
     plan = _plan(result, before.plan, t_end, t_eval, events)
-    own = _scene(result, scene, isinstance(run, Result))
+    own = _scene(result, scene)
     parts = _parts(own, before, plan)
     kept = Checkpoint(own, checkpoint, every) if checkpoint is not None else None
     legs = [_leg(part, stage, plan, result) for part, stage in zip(parts, before.stages)]
@@ -86,8 +85,8 @@ def _progress(result: Result) -> Progress:
 def _plan(result: Result, plan: Plan, t_end: float | None, t_eval: ArrayLike | None, events: Sequence[Event] | None) -> Plan:
     end, given = plan.t_end if t_end is None else t_end, named(events) or plan.events
     found = []
-    if not (np.isfinite(end) and end > result.trajectory.t[-1]):
-        found.append(f"t_end: expected a finite time after the {result.trajectory.t[-1]:.9g} s that were reached, found {end!r}; give a later one")
+    if not (np.isfinite(end) and end >= result.trajectory.t[-1]):
+        found.append(f"t_end: expected a finite time from {result.trajectory.t[-1]:.9g} s on, which was reached, found {end!r}; correct it")
     if set(given) != set(plan.events) or None in given.values():
         names = ", ".join(map(repr, plan.events)) or "none"
         found.append(f"events: expected those of the run by name ({names}), found {', '.join(map(repr, named(events))) or 'none'}; give them")
@@ -97,19 +96,21 @@ def _plan(result: Result, plan: Plan, t_end: float | None, t_eval: ArrayLike | N
     return replace(plan, t_end=float(end), t_eval=times, events={name: given[name] for name in plan.events})
 
 
-def _scene(result: Result, scene: Scene | None, in_memory: bool) -> Scene:
+def _scene(result: Result, scene: Scene | None) -> Scene:
     """The scene to go on with. Raises SceneError unless it is that of the run."""
     if result.scene.build() is not result.system:
         raise SceneError(["run: expected the scene as it was in this run, found items added since; describe it anew and give scene="])
+    from .descriptions import described, missing
+
     if scene is None:
-        missing = [] if in_memory else functions(described(result.scene))
-        if missing:
-            raise SceneError([f"scene: expected one with the functions of t of {', '.join(map(repr, missing))}, found none in the file; give scene="])
+        if unknown := missing(result.scene):
+            names = ", ".join(map(repr, unknown))
+            raise SceneError([f"scene: expected one with the functions of t of {names}, found none in the file; give scene="])
         return result.scene
     scene.build()
-    if not np.array_equal(scene.gravity, result.scene.gravity) or _alike(described(scene)) != _alike(described(result.scene)):
-        ours, theirs = _alike(described(scene)), _alike(described(result.scene))
-        other = next((a["fields"]["name"] for a, b in zip(ours, theirs) if a != b), "its gravity or the number of its items")
+    ours, theirs = _alike(described(scene)), _alike(described(result.scene))
+    if not np.array_equal(scene.gravity, result.scene.gravity) or ours != theirs:
+        other = next((a["fields"]["name"] for a, b in zip(ours, theirs) if a != b), "gravity or the number of items")
         raise SceneError([f"scene: expected that of the run but for functions of t, found another one ({other!r} differs); describe it as it was"])
     return scene
 
