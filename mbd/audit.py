@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .affine import Array
 from .system import System
 from .trajectory import Joined, Trajectory
 
@@ -21,6 +22,7 @@ class Audit:
     energy_error     |energy - energy at the start - work of loads, drives and dampers| [J]
     energy_scale     the largest energy exchanged [J]
     energy_level     the largest energy of any kind [J]
+    energy_noise     the energy that displacements and velocities within rounding may hold [J]
     work             of loads, drives and dampers over the run [J]
     parts            of a scene of several independent parts the audits of each, whose energies are summed above; else empty
     """
@@ -30,6 +32,7 @@ class Audit:
     energy_error: float
     energy_scale: float
     energy_level: float
+    energy_noise: float
     work: float
     parts: tuple[Audit, ...] = field(default=(), repr=False)
 
@@ -38,7 +41,7 @@ class Audit:
         """Whether the energy adds up at all: an imbalance of a fifth, above rounding, means an unstable or far too coarse run."""
         if self.parts:
             return all(part.balanced for part in self.parts)
-        return self.energy_error <= max(0.2 * self.energy_scale, 1e-9 * self.energy_level)
+        return self.energy_error <= max(0.2 * self.energy_scale, 1e-9 * self.energy_level, self.energy_noise)
 
     def __str__(self) -> str:
         relative = f" ({self.energy_error / self.energy_scale:.1e} of {self.energy_scale:.4g} J exchanged)" if self.energy_scale > 0.0 else ""
@@ -58,6 +61,7 @@ class _Found(NamedTuple):
     error: float
     exchanged: float
     level: float
+    noise: float
     work: float
 
 
@@ -70,8 +74,9 @@ def audit(system: System, trajectory: Trajectory | Joined) -> Audit:
 
 def _summed(found: Sequence[_Found], length: float, parts: tuple[Audit, ...] = ()) -> Audit:
     gap, slip, speed = (max(getattr(one, name) for one in found) for name in ("gap", "slip", "speed"))
-    error, exchanged, level, work = (sum(getattr(one, name) for one in found) for name in ("error", "exchanged", "level", "work"))
-    return Audit(gap / length, slip / max(speed, 1e-300), error, exchanged, level, work, parts)
+    names = ("error", "exchanged", "level", "noise", "work")
+    error, exchanged, level, noise, work = (sum(getattr(one, name) for one in found) for name in names)
+    return Audit(gap / length, slip / max(speed, 1e-300), error, exchanged, level, noise, work, parts)
 
 
 def _found(trajectory: Trajectory) -> _Found:
@@ -86,5 +91,14 @@ def _found(trajectory: Trajectory) -> _Found:
         error=float(np.max(np.abs(balance - balance[0]))),
         exchanged=max(float(np.ptp(part)) for part in (kinetic, elastic, potential)),
         level=max(float(np.max(np.abs(part))) for part in (kinetic, elastic, potential)),
+        noise=_noise(system, q[0]),
         work=float(trajectory.work[-1]),
     )
+
+
+def _noise(system: System, q: Array) -> float:
+    """What remains where nothing moves: elastic energy of displacements by 1e-13 of the length, and kinetic energy of 1e-13 of the velocities
+    described, which joints may have taken away."""
+    signs = np.where(np.arange(system.n) % 3 == 0, 1.0, -1.0)
+    beside = 1e-13 * system.length * signs / np.where(system.levers > 0.0, system.levers, np.inf)
+    return float(abs(system.elastic(q + beside) - system.elastic(q)) + 1e-26 * system.kinetic(system.v0))
