@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .affine import Array
 from .system import System
 from .trajectory import Joined, Trajectory
 
@@ -22,7 +21,7 @@ class Audit:
     energy_error     |energy - energy at the start - work of loads, drives and dampers| [J]
     energy_scale     the largest energy exchanged [J]
     energy_level     the largest energy of any kind [J]
-    energy_noise     the energy that displacements and velocities within rounding may hold [J]
+    still            nothing moved farther than rounding: energies, and their balance, are rounding too
     work             of loads, drives and dampers over the run [J]
     parts            of a scene of several independent parts the audits of each, whose energies are summed above; else empty
     """
@@ -32,7 +31,7 @@ class Audit:
     energy_error: float
     energy_scale: float
     energy_level: float
-    energy_noise: float
+    still: bool
     work: float
     parts: tuple[Audit, ...] = field(default=(), repr=False)
 
@@ -41,7 +40,7 @@ class Audit:
         """Whether the energy adds up at all: an imbalance of a fifth, above rounding, means an unstable or far too coarse run."""
         if self.parts:
             return all(part.balanced for part in self.parts)
-        return self.energy_error <= max(0.2 * self.energy_scale, 1e-9 * self.energy_level, self.energy_noise)
+        return self.still or self.energy_error <= max(0.2 * self.energy_scale, 1e-9 * self.energy_level)
 
     def __str__(self) -> str:
         relative = f" ({self.energy_error / self.energy_scale:.1e} of {self.energy_scale:.4g} J exchanged)" if self.energy_scale > 0.0 else ""
@@ -61,7 +60,7 @@ class _Found(NamedTuple):
     error: float
     exchanged: float
     level: float
-    noise: float
+    still: bool
     work: float
 
 
@@ -74,9 +73,9 @@ def audit(system: System, trajectory: Trajectory | Joined) -> Audit:
 
 def _summed(found: Sequence[_Found], length: float, parts: tuple[Audit, ...] = ()) -> Audit:
     gap, slip, speed = (max(getattr(one, name) for one in found) for name in ("gap", "slip", "speed"))
-    names = ("error", "exchanged", "level", "noise", "work")
-    error, exchanged, level, noise, work = (sum(getattr(one, name) for one in found) for name in names)
-    return Audit(gap / length, slip / max(speed, 1e-300), error, exchanged, level, noise, work, parts)
+    error, exchanged, level, work = (sum(getattr(one, name) for one in found) for name in ("error", "exchanged", "level", "work"))
+    still = all(one.still for one in found)
+    return Audit(gap / length, slip / max(speed, 1e-300), error, exchanged, level, still, work, parts)
 
 
 def _found(trajectory: Trajectory) -> _Found:
@@ -84,6 +83,7 @@ def _found(trajectory: Trajectory) -> _Found:
     joints, reach, goal = system.joints.at(q), trajectory.linear.reach, system.inputs(trajectory.t).targets
     kinetic, elastic, potential = system.kinetic(v), system.elastic(q), system.potential(q)
     balance = kinetic + elastic + potential - trajectory.work
+    moved, rounding = np.abs(q - q[0]) * system.levers, 1e-11 * system.length + 1e-14 * float(np.max(np.abs(q) * system.levers))
     return _Found(
         gap=float(np.max(np.abs(joints.value - goal.value) * reach, initial=0.0)),
         slip=float(np.max(np.abs(joints.push(v) - goal.rate) * reach, initial=0.0)),
@@ -91,14 +91,6 @@ def _found(trajectory: Trajectory) -> _Found:
         error=float(np.max(np.abs(balance - balance[0]))),
         exchanged=max(float(np.ptp(part)) for part in (kinetic, elastic, potential)),
         level=max(float(np.max(np.abs(part))) for part in (kinetic, elastic, potential)),
-        noise=_noise(system, q[0]),
+        still=bool(np.max(moved) <= rounding),
         work=float(trajectory.work[-1]),
     )
-
-
-def _noise(system: System, q: Array) -> float:
-    """What remains where nothing moves: elastic energy of displacements by 1e-13 of the length, and kinetic energy of 1e-13 of the velocities
-    described, which joints may have taken away."""
-    signs = np.where(np.arange(system.n) % 3 == 0, 1.0, -1.0)
-    beside = 1e-13 * system.length * signs / np.where(system.levers > 0.0, system.levers, np.inf)
-    return float(abs(system.elastic(q + beside) - system.elastic(q)) + 1e-26 * system.kinetic(system.v0))

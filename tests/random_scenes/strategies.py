@@ -80,8 +80,8 @@ def body(draw: Any, d: int, name: str, point: np.ndarray) -> tuple[Thing, Entry]
     centre = point - frame @ arm
     shape = draw(st.sampled_from(((1.0, 1.0, 1.0), (0.5, 1.0, 1.5), (0.0, 1.0, 1.0), (1.0, 1.0, 2.0))))  # of a rod, of a plate too
     inertia: Any = Number(mass * size**2, (2, 1, 0)) if d == 2 else Numbers(tuple(mass * size**2 * x for x in shape), (2, 1, 0))
-    pose: dict[str, Any] = {"angle": Heading(float(np.arctan2(frame[1, 0], frame[0, 0])))} if d == 2 else {"rotation": Frame(tuple(map(tuple, frame)))}
-    words = {"mass": Number(mass, MASS), "inertia": inertia, "position": Point(tuple(centre)), **pose}
+    words = {"mass": Number(mass, MASS), "inertia": inertia, "position": Point(tuple(centre))}
+    words |= {"angle": Heading(float(np.arctan2(frame[1, 0], frame[0, 0])))} if d == 2 else {"rotation": Frame(tuple(map(tuple, frame)))}
     if draw(st.booleans()):
         words["velocity"] = Vector(tuples(draw, coordinates, d), SPEED)
         spin = tuples(draw, coordinates, 1 if d == 2 else 3)
@@ -283,7 +283,8 @@ class Assembly:
         elif self.d == 3 and spot.axes == 1 and follower:
             self.add("Force", {"marker": spot, "vector": Numbers((self.draw(positive), 0.0, 0.0), FORCE), "follower": True})
         else:
-            self.add("Force", {"marker": spot, "vector": self.wave(tuples(self.draw, round_numbers, self.d), FORCE, not follower), "follower": follower})
+            vector = self.wave(tuples(self.draw, round_numbers, self.d), FORCE, not follower)
+            self.add("Force", {"marker": spot, "vector": vector, "follower": follower})
 
     def measure(self) -> None:
         one, other = self.pair()
