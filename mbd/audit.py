@@ -23,6 +23,7 @@ class Audit(Displayed):
     energy_error     |energy - energy at the start - work of loads, drives and dampers| [J]
     energy_scale     the largest energy exchanged [J]
     energy_level     the largest energy of any kind [J]
+    still            nothing moved farther than rounding: energies, and their balance, are rounding too
     work             of loads, drives and dampers over the run [J]
     parts            of a scene of several independent parts the audits of each, whose energies are summed above; else empty
     """
@@ -32,6 +33,7 @@ class Audit(Displayed):
     energy_error: float
     energy_scale: float
     energy_level: float
+    still: bool
     work: float
     parts: tuple[Audit, ...] = field(default=(), repr=False)
 
@@ -40,7 +42,7 @@ class Audit(Displayed):
         """Whether the energy adds up at all: an imbalance of a fifth, above rounding, means an unstable or far too coarse run."""
         if self.parts:
             return all(part.balanced for part in self.parts)
-        return self.energy_error <= max(0.2 * self.energy_scale, 1e-9 * self.energy_level)
+        return self.still or self.energy_error <= max(0.2 * self.energy_scale, 1e-9 * self.energy_level)
 
     def __str__(self) -> str:
         relative = f" ({self.energy_error / self.energy_scale:.1e} of {self.energy_scale:.4g} J exchanged)" if self.energy_scale > 0.0 else ""
@@ -69,6 +71,7 @@ class _Found(NamedTuple):
     error: float
     exchanged: float
     level: float
+    still: bool
     work: float
 
 
@@ -82,7 +85,8 @@ def audit(system: System, trajectory: Trajectory | Joined) -> Audit:
 def _summed(found: Sequence[_Found], length: float, parts: tuple[Audit, ...] = ()) -> Audit:
     gap, slip, speed = (max(getattr(one, name) for one in found) for name in ("gap", "slip", "speed"))
     error, exchanged, level, work = (sum(getattr(one, name) for one in found) for name in ("error", "exchanged", "level", "work"))
-    return Audit(gap / length, slip / max(speed, 1e-300), error, exchanged, level, work, parts)
+    still = all(one.still for one in found)
+    return Audit(gap / length, slip / max(speed, 1e-300), error, exchanged, level, still, work, parts)
 
 
 def histories(system: System, trajectory: Trajectory | Joined) -> list[History]:
@@ -119,6 +123,12 @@ def _imbalance(trajectory: Trajectory, energies: tuple[Array, Array, Array]) -> 
     return balance - balance[0]
 
 
+def _still(trajectory: Trajectory) -> bool:
+    system, q = trajectory.part.system, trajectory.q
+    rounding = 1e-11 * system.length + 1e-14 * float(np.max(np.abs(q) * system.levers))
+    return bool(np.max(np.abs(q - q[0]) * system.levers) <= rounding)
+
+
 def _found(trajectory: Trajectory) -> _Found:
     (gap, slip), energies = _open(trajectory), _energies(trajectory)
     return _Found(
@@ -128,5 +138,6 @@ def _found(trajectory: Trajectory) -> _Found:
         error=float(np.max(np.abs(_imbalance(trajectory, energies)))),
         exchanged=max(float(np.ptp(part)) for part in energies),
         level=max(float(np.max(np.abs(part))) for part in energies),
+        still=_still(trajectory),
         work=float(trajectory.work[-1]),
     )
