@@ -31,9 +31,10 @@ from .joints.gears import Gear, Rack
 from .joints.knife_edge import KnifeEdge, Wheel
 from .joints.lines import PointOnLine, Slider, fixed_axis
 from .joints.pairs import Ball, Clamp, Distance, Pin
+from .joints.placed import fixed_in
 from .joints.rolling import Rolling
 from .joints.spatial import Cylindrical, Planar, Universal
-from .marker import Marker
+from .marker import Marker, frame
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -61,7 +62,7 @@ class Drawing:
         self.extent = scene.build().length
         self.shapes: list[Shape] = []
         self.points: list[Affine] = []
-        self._known: dict[tuple[bytes, ...], int] = {}
+        self._known: dict[tuple[tuple[complex, ...], ...], int] = {}
         for item in scene.items if items is None else items:
             self._draw(item)
 
@@ -72,7 +73,7 @@ class Drawing:
 
     def _index(self, point: Affine) -> int:
         """Of a point, the same for equal ones."""
-        key = tuple(np.asarray(part).tobytes() for part in (point.rows, point.weights, point.constant))
+        key = tuple(tuple(part.tolist()) for part in (point.rows, point.weights, point.constant))
         if key not in self._known:
             self._known[key] = len(self.points)
             self.points.append(point)
@@ -98,8 +99,8 @@ class Drawing:
         centre, arms = body.at().point, self._arms(body)
         before = len(self.shapes)
         if body.length is not None:
-            half = 0.5 * float(body.length)
-            self.add(body.name, "rod", [centre + body.axes[0].scaled(-half), centre + body.axes[0].scaled(half)])
+            ends = 0.5 * float(body.length) * np.array([[-1.0], [1.0]]) * np.eye(self.scene.dimension)[0]
+            self.add(body.name, "rod", [body.at(*end).point for end in ends.tolist()])
         if self.scene.dimension == 2 and (around := _hull(arms)):
             self.add(body.name, "hull", around)
         for arm in arms:
@@ -181,10 +182,17 @@ Drawer = Callable[[Drawing, str, Any], None]
 def _joint(form: str) -> Drawer:
     def draw(drawing: Drawing, name: str, joint: Any) -> None:
         drawing.ground(name, joint.markers)
-        axis = Affine.fixed(joint.axis) if joint.markers[0].dimension == 3 and getattr(joint, "axis", None) is not None else None
-        drawing.symbol(name, form, joint.markers[0], axis)
+        drawing.symbol(name, form, joint.markers[0], _turning_axis(drawing.scene, joint))
 
     return draw
+
+
+def _turning_axis(scene: Scene, joint: Any) -> Affine | None:
+    """Of a joint in space that turns about a direction given at the start: as it moves with one of its bodies."""
+    carriers = [marker for marker in joint.markers if marker.rigid and len(marker.axes) == 3]
+    if getattr(joint, "axis", None) is None or not carriers:
+        return None
+    return fixed_in(carriers[0], frame(carriers[0], scene.build().q0), joint.axis / np.linalg.norm(joint.axis))
 
 
 def _line(form: str) -> Drawer:
@@ -205,6 +213,16 @@ def _pair(form: str) -> Drawer:
 
 def _mark(form: str) -> Drawer:
     return lambda drawing, name, item: drawing.symbol(name, form, item.markers[0])
+
+
+def _motor(drawing: Drawing, name: str, motor: Any) -> None:
+    """At the joint between the two that it turns, if there is one."""
+    sides = {marker.item for marker in motor.markers}
+    for item in drawing.scene.items:
+        joint = item.description
+        if isinstance(joint, Pin | Cylindrical) and {marker.item for marker in joint.markers} == sides:
+            return drawing.symbol(name, "motor", joint.markers[0])
+    drawing.symbol(name, "motor", motor.markers[0])
 
 
 def _edge(drawing: Drawing, name: str, edge: Any) -> None:
@@ -244,7 +262,7 @@ DRAWN: dict[type, Drawer] = {
     Distance: _pair("link"),
     Spring: _pair("spring"),
     TorsionSpring: _mark("torsion spring"),
-    Motor: _mark("motor"),
+    Motor: _motor,
     Prescribed: _mark("prescribed"),
     Torque: _mark("torque"),
     Force: _force,

@@ -54,7 +54,8 @@ def embedded(data: Any) -> str:
 def _summary(result: Result) -> str:
     start, end = float(result.trajectory.t[0]), float(result.trajectory.t[-1])
     stats = result.stats
-    return f"{len(result.scene.items)} items, {start:.6g} to {end:.6g} s in {stats['steps']} steps of {stats['solver']}, computed in {stats['wall time']:.3g} s"
+    steps = f"{stats['steps']} steps of {stats['solver']}, computed in {stats['wall time']:.3g} s"
+    return f"{len(result.scene.items)} items, {start:.6g} to {end:.6g} s in {steps}"
 
 
 def _data(film: Frames, shown: list[Plot], result: Result) -> dict[str, Any]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ..affine import Array
@@ -53,10 +51,10 @@ def picture(drawing: Drawing, points: Array, times: Array, title: str) -> str:
     for k, at in enumerate(place):
         colour = _shade(k / max(len(place) - 1, 1)) if len(place) > 1 else "currentColor"
         parts += [_shape(shape.form, at[list(shape.points)], colour, last=k == len(place) - 1) for shape in drawing.shapes]
-    parts += _key(times, height) if len(times) > 1 else []
+    parts += _key(times) if len(times) > 1 else []
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:g} {height:.0f}" role="img" aria-label="{text(title)}"'
     style = 'style="max-width:100%;height:auto" font-family="sans-serif" font-size="12" fill="currentColor"'
-    return f"{head} width=\"{WIDTH:g}\" {style}><title>{text(title)}</title>{''.join(parts)}</svg>"
+    return f'{head} width="{WIDTH:g}" {style}><title>{text(title)}</title>{"".join(parts)}</svg>'
 
 
 def projected(points: Array, gravity: Array) -> Array:
@@ -140,24 +138,25 @@ def nice(low: float, high: float, most: int) -> Array:
 
 
 def _axes(low: Array, high: Array, scale: float, left: float) -> list[str]:
-    bottom = ROOM + scale * (high[1] - low[1]) + 12.0
+    bottom, right = ROOM + scale * (high[1] - low[1]) + 12.0, left + scale * (high[0] - low[0])
     out = []
     for x in nice(low[0], high[0], 7):
         at = left + scale * (x - low[0])
-        out.append(f'<path d="M{at:.1f} {bottom:.1f}v5" stroke="currentColor"/><text x="{at:.1f}" y="{bottom + 18:.1f}" text-anchor="middle">{x:.6g}</text>')
+        out += [f'<path d="M{at:.1f} {bottom:.1f}v5" stroke="currentColor"/>', _word(at, bottom + 18, f"{x:.6g}", "middle")]
     for y in nice(low[1], high[1], 5):
         at = ROOM + scale * (high[1] - y)
-        out.append(f'<path d="M{left - 14:.1f} {at:.1f}h-5" stroke="currentColor"/><text x="{left - 22:.1f}" y="{at + 4:.1f}" text-anchor="end">{y:.6g}</text>')
-    right = left + scale * (high[0] - low[0])
-    out.append(f'<text x="{right + 8:.1f}" y="{bottom + 5:.1f}">x [m]</text><text x="{left - 30:.1f}" y="{ROOM - 22:.1f}">y [m]</text>')
-    return out
+        out += [f'<path d="M{left - 14:.1f} {at:.1f}h-5" stroke="currentColor"/>', _word(left - 22, at + 4, f"{y:.6g}", "end")]
+    return [*out, _word(right + 8, bottom + 5, "x [m]"), _word(left - 30, ROOM - 22, "y [m]")]
 
 
-def _key(times: Sequence[float] | Array, height: float) -> list[str]:
-    out, width = [], 150.0
-    first = WIDTH - width - 70.0
-    for k in range(len(times)):
-        x = first + k * width / len(times)
-        out.append(f'<rect x="{x:.1f}" y="8" width="{width / len(times):.1f}" height="8" fill="{_shade(k / (len(times) - 1))}"/>')
-    ends = f'<text x="{first - 6:.1f}" y="16" text-anchor="end">t = {times[0]:.4g}</text><text x="{first + width + 6:.1f}" y="16">{times[-1]:.4g} s</text>'
-    return [*out, ends]
+def _key(times: Array) -> list[str]:
+    """Which shade is when."""
+    wide, count = 150.0, len(times)
+    first = WIDTH - wide - 70.0
+    size = f'y="8" width="{wide / count:.1f}" height="8"'
+    cells = [f'<rect x="{first + k * wide / count:.1f}" {size} fill="{_shade(k / (count - 1))}"/>' for k in range(count)]
+    return [*cells, _word(first - 6, 16, f"t = {times[0]:.4g}", "end"), _word(first + wide + 6, 16, f"{times[-1]:.4g} s")]
+
+
+def _word(x: float, y: float, said: str, anchor: str = "start") -> str:
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{text(said)}</text>'

@@ -165,13 +165,20 @@ function follow([x, y], k, brush = pen, colour = track(k)) {
   brush.fillStyle = colour; brush.fill();
 }
 
+/** Names of items, of bodies and beams first; one that would cover another is left out. */
 function names(now) {
-  const seen = new Set();
-  for (const shape of shapes) {
-    if (seen.has(shape.item) || shape.form === "output" || shape.form === "guide") continue;
+  const seen = new Set(), taken = [];
+  const labelled = shapes.filter((shape) => !["output", "guide"].includes(shape.form));
+  for (const shape of [...labelled.filter((each) => bodies.includes(each.item)), ...labelled]) {
+    if (seen.has(shape.item)) continue;
     seen.add(shape.item);
     const middle = shape.at[shape.form === "beam" ? shape.at.length >> 1 : 0], [x, y] = screen(point(now, middle));
     const two = shape.form === "rod" ? screen(point(now, shape.at[1])) : [x, y];
-    word(shape.item, (x + two[0]) / 2 + 8, (y + two[1]) / 2 - 8, "left", ink.ink);
+    const left = (x + two[0]) / 2 + 8, low = (y + two[1]) / 2 - 8;
+    pen.font = "12px system-ui, sans-serif";
+    const box = [left - 2, low - 11, left + pen.measureText(shape.item).width + 2, low + 3];
+    if (taken.some((other) => box[0] < other[2] && other[0] < box[2] && box[1] < other[3] && other[1] < box[3])) continue;
+    taken.push(box);
+    word(shape.item, left, low, "left", ink.ink);
   }
 }

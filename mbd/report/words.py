@@ -22,7 +22,7 @@ from ..vibration import Modes
 UNITS = {
     "E": "Pa", "A": "m²", "I": "m⁴", "rho": "kg/m³", "GA": "N", "rotary_inertia": "kg m", "damping": "s", "mass": "kg", "inertia": "kg m²",
     "position": "m", "angle": "rad", "velocity": "m/s", "angular_velocity": "rad/s", "length": "m", "start": "m", "end": "m", "radius": "m",
-    "radii": "m", "speed": "rad/s", "torque": "N m", "vector": "N", "gravity_vector": "m/s²",
+    "radii": "m", "speed": "rad/s", "torque": "N m", "vector": "N", 
 }  # fmt: skip
 """By field; SI by convention."""
 SPECIAL = {
@@ -42,12 +42,12 @@ def text(value: Any) -> str:
     return escape(str(value))
 
 
-def table(rows: Iterable[Sequence[str]], head: Sequence[str] = ()) -> str:
+def table(rows: Iterable[Sequence[str]], head: Sequence[str] = (), kind: str = "") -> str:
     """Cells are HTML. Of a table without a head the first column names the rows."""
     first = "td" if head else 'th scope="row"'
     body = "".join(f"<tr><{first}>{row[0]}</{first[:2]}>" + "".join(f"<td>{cell}</td>" for cell in row[1:]) + "</tr>" for row in rows)
     top = "<thead><tr>" + "".join(f'<th scope="col">{text(cell)}</th>' for cell in head) + "</tr></thead>" if head else ""
-    return f'<div class="wide"><table>{top}<tbody>{body}</tbody></table></div>'
+    return f'<div class="wide {kind}"><table>{top}<tbody>{body}</tbody></table></div>'
 
 
 def number(value: float) -> str:
@@ -79,7 +79,7 @@ def _array(value: np.ndarray) -> str:
     if value.ndim == 0:
         return number(float(value))
     if value.size > LONGEST:
-        return f"{' × '.join(map(str, value.shape))} numbers from {value.min():.6g} to {value.max():.6g}"
+        return f"{' by '.join(map(str, value.shape))} numbers from {value.min():.6g} to {value.max():.6g}"
     return "(" + ", ".join(_array(part) for part in value) + ")"
 
 
@@ -93,7 +93,7 @@ def items(scene: Scene) -> str:
     rows = [_item(item) for item in scene.items[:ITEMS]]
     left = len(scene.items) - len(rows)
     more = f"<p>{left} more items are not listed.</p>" if left else ""
-    return table(rows, ("name", "kind", "where [m]", "numbers")) + more
+    return table(rows, ("name", "kind", "where [m]", "numbers"), "items") + more
 
 
 def _item(item: Any) -> tuple[str, ...]:
@@ -110,7 +110,7 @@ def _item(item: Any) -> tuple[str, ...]:
     if not where:
         where = [f"{name} at {_array(np.asarray(getattr(description, name)))}" for name in ("position",) if hasattr(description, name)]
         numbers = [line for line in numbers if not (where and line.startswith("position ="))]
-    return text(item.name), text(type(description).__name__), text(" – ".join(where)), text(", ".join(numbers))
+    return text(item.name), text(type(description).__name__), text("; ".join(where)), text(", ".join(numbers))
 
 
 def structure(found: Structure) -> str:
