@@ -3,7 +3,7 @@
 A shape has a form, which says how its points are meant:
 
     beam             a smooth curve, densely sampled            rod, arm    a line of a rigid body; arms lead to where something is attached
-    hull             the outline of a planar body's points      axes        of a body that nothing else shows: a line along each
+    hull             the outline of a planar body's points      axes        lines that show how a body without a length turns
     centre, particle a dot                                      disc        a circle that turns, with a spoke
     spring, link     a line between two points                  guide       the straight line along which a joint slides
     force            the point where it acts                    ground      a fixed point that something is attached to
@@ -106,7 +106,7 @@ class Drawing:
         for arm in arms:
             if not (body.length is not None and _along_rod(arm, float(body.length))):
                 self.add(body.name, "arm", [centre, arm])
-        if len(self.shapes) == before:
+        if len(self.shapes) == before or (self.scene.dimension == 3 and body.length is None):
             for axis in [body.axes[0], body.axes[0].scaled(1j)] if len(body.axes) == 1 else body.axes:
                 self.add(body.name, "axes", [centre, centre + axis.scaled(0.05 * self.extent)])
         self.add(body.name, "centre", [centre])

@@ -33,7 +33,7 @@ def page(result: Result, title: str, outputs: Any = None, verification: Any = No
         "style": _file("page.css"),
         "summary": text(_summary(result)),
         "doubts": "".join(f'<li class="doubt">{text(line)}</li>' for line in words.doubts(result)),
-        "picture": run_picture(result),
+        "picture": run_picture(film.drawing, film.points, film.run.t),
         "sections": "".join(_section(*each) for each in _sections(result, verification)),
         "data": embedded(data),
         "script": "\n".join(_file(name) for name in SCRIPTS),

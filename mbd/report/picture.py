@@ -6,7 +6,6 @@ import numpy as np
 
 from ..affine import Array
 from ..drawing import FINE, Drawing
-from ..result import Result
 from ..scene import Scene
 from .words import text
 
@@ -16,6 +15,8 @@ SHADES = np.array([(68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (1
 """From the first time to the last: the viridis map, without its palest end."""
 AZIMUTH, ELEVATION = -0.9, 0.45
 """From where space is seen [rad]; the page starts with the same view."""
+SHAPES, POINTS = 9, 4000
+"""The most that a picture of a run shows."""
 STROKE = {"beam": 2.5, "rod": 4.0, "arm": 1.5, "hull": 1.5, "axes": 1.5, "disc": 1.5, "spring": 1.2, "link": 1.5, "guide": 0.8}
 DASHED = {"link": "6 3", "guide": "8 3 2 3"}
 
@@ -27,16 +28,11 @@ def scene_picture(scene: Scene) -> str:
     return picture(drawing, drawing.at(q), np.zeros(0), f"the scene at its start: {len(scene.items)} items")
 
 
-def run_picture(result: Result, shapes: int = 9) -> str:
-    """The run as shapes at even times."""
-    t = np.linspace(result.trajectory.t[0], result.trajectory.t[-1], shapes)
-    try:
-        q, _ = result.trajectory.at(t)
-    except Exception:  # a result from a file that lost its functions of time has no values between its steps
-        chosen = np.unique(np.linspace(0, len(result.t) - 1, shapes).round().astype(int))
-        t, q = result.t[chosen], result.q[chosen]
-    drawing = Drawing(result.scene, q, fine=FINE // 4)
-    return picture(drawing, drawing.at(q), t, f"shapes at {len(t)} times from {t[0]:g} to {t[-1]:g} s")
+def run_picture(drawing: Drawing, points: Array, times: Array) -> str:
+    """A run as shapes at even times; points [n_t, n_points, d] at times [n_t] [s]. Of a scene of very many points fewer shapes."""
+    count = min(max(POINTS // max(points.shape[1], 1), 2), SHAPES, len(times))
+    chosen = np.linspace(0, len(times) - 1, count).round().astype(int)
+    return picture(drawing, points[chosen], times[chosen], f"shapes at {count} times from {times[0]:g} to {times[-1]:g} s")
 
 
 def picture(drawing: Drawing, points: Array, times: Array, title: str) -> str:

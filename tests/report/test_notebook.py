@@ -6,7 +6,7 @@ import pytest
 
 import mbd
 
-from ..machines import flexible_pendulum
+from ..machines import double_pendulum, flexible_pendulum
 from .scenes import Reader, embedded, heavy_top, slider_crank
 
 
@@ -46,6 +46,14 @@ def test_a_result_is_a_player_in_a_frame_that_reaches_nothing():
     inner = attributes["srcdoc"]
     assert inner and embedded(inner)["count"] > 10 and "Content-Security-Policy" in inner
     Reader(inner)
+
+
+def test_a_result_of_a_scene_that_has_grown_says_so():
+    scene, tip = double_pendulum()
+    run = mbd.simulate(scene, 0.1)
+    scene.add(mbd.Spring(tip, scene.ground.at(0, 0), stiffness=1.0))
+    reader = shown(run)
+    assert "expected the scene as it was in this run" in reader.text and "iframe" not in [tag for tag, _ in reader.elements]
 
 
 def test_a_player_is_small():
