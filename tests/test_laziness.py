@@ -125,7 +125,7 @@ def sources() -> list[tuple[str, str, str, bool]]:
 
 SOURCES = sources()
 SYSTEM = {"mbd.system", "mbd.scene", "mbd.run", "mbd.result", "mbd.assembly"}
-EDGE = {"archive.py", "descriptions.py", "drawing.py", "plot.py", "report.py"}
+EDGE = {"archive.py", "descriptions.py", "drawing.py", "drawn.py", "plot.py", "report.py"}
 """The edge of the house: files, pictures, and reports (a folder). They may use everything; nothing inside loads them before they are asked for."""
 
 

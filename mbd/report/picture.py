@@ -15,7 +15,7 @@ SHADES = np.array([(68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (1
 """From the first time to the last: the viridis map, without its palest end."""
 AZIMUTH, ELEVATION = -0.9, 0.45
 """From where space is seen [rad]; the page starts with the same view."""
-SHAPES, POINTS = 9, 4000
+SHAPES, POINTS, NAMED = 9, 4000, 40
 """The most that a picture of a run shows."""
 STROKE = {"beam": 2.5, "rod": 4.0, "arm": 1.5, "hull": 1.5, "axes": 1.5, "disc": 1.5, "spring": 1.2, "link": 1.5, "guide": 0.8}
 DASHED = {"link": "6 3", "guide": "8 3 2 3"}
@@ -25,7 +25,8 @@ def scene_picture(scene: Scene) -> str:
     """The scene at its start, as described."""
     q = scene.build().q0[None]
     drawing = Drawing(scene, q, fine=FINE // 4)
-    return picture(drawing, drawing.at(q), np.zeros(0), f"the scene at its start: {len(scene.items)} items")
+    title = f"the scene at its start: {len(scene.items)} items"
+    return picture(drawing, drawing.at(q), np.zeros(0), title, names=len(scene.items) <= NAMED)
 
 
 def run_picture(drawing: Drawing, points: Array, times: Array) -> str:
@@ -35,19 +36,20 @@ def run_picture(drawing: Drawing, points: Array, times: Array) -> str:
     return picture(drawing, points[chosen], times[chosen], f"shapes at {count} times from {times[0]:g} to {times[-1]:g} s")
 
 
-def picture(drawing: Drawing, points: Array, times: Array, title: str) -> str:
-    """points [n_t, n_points, d]; times [n_t] [s], from the second on a key to the shades."""
+def picture(drawing: Drawing, points: Array, times: Array, title: str, names: bool = False) -> str:
+    """points [n_t, n_points, d]; times [n_t] [s], from the second on a key to the shades; names of items beside them."""
     flat = projected(points, drawing.scene.gravity)
     low, high = _box(flat, drawing.extent)
     scale = min((WIDTH - LEFT - ROOM) / (high[0] - low[0]), 420.0 / (high[1] - low[1]))
     left = LEFT + 0.5 * (WIDTH - LEFT - ROOM - scale * (high[0] - low[0]))
     height = scale * (high[1] - low[1]) + 2.0 * ROOM + 20.0
     place = np.stack((left + scale * (flat[..., 0] - low[0]), ROOM + scale * (high[1] - flat[..., 1])), axis=-1)
-    parts = _axes(low, high, scale, left) if drawing.scene.dimension == 2 else []
+    parts = _axes(low, high, scale, left) if drawing.scene.dimension == 2 else _directions(drawing.scene.gravity, scale, height)
     for k, at in enumerate(place):
         colour = _shade(k / max(len(place) - 1, 1)) if len(place) > 1 else "currentColor"
         parts += [_shape(shape.form, at[list(shape.points)], colour, last=k == len(place) - 1) for shape in drawing.shapes]
     parts += _key(times) if len(times) > 1 else []
+    parts += _names(drawing, place[-1]) if names else []
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:g} {height:.0f}" role="img" aria-label="{text(title)}"'
     style = 'style="max-width:100%;height:auto" font-family="sans-serif" font-size="12" fill="currentColor"'
     return f'{head} width="{WIDTH:g}" {style}><title>{text(title)}</title>{"".join(parts)}</svg>'
@@ -130,7 +132,7 @@ def nice(low: float, high: float, most: int) -> Array:
     """Round numbers between two, about as many as wanted."""
     step = 10.0 ** np.floor(np.log10((high - low) / most))
     step *= next(m for m in (1, 2, 5, 10) if (high - low) / (m * step) <= most)
-    return np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step
+    return np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step + 0.0
 
 
 def _axes(low: Array, high: Array, scale: float, left: float) -> list[str]:
@@ -143,6 +145,36 @@ def _axes(low: Array, high: Array, scale: float, left: float) -> list[str]:
         at = ROOM + scale * (high[1] - y)
         out += [f'<path d="M{left - 14:.1f} {at:.1f}h-5" stroke="currentColor"/>', _word(left - 22, at + 4, f"{y:.6g}", "end")]
     return [*out, _word(right + 8, bottom + 5, "x [m]"), _word(left - 30, ROOM - 22, "y [m]")]
+
+
+def _directions(gravity: Array, scale: float, height: float) -> list[str]:
+    """The axes of space, and a length to compare with."""
+    out, corner = [], np.array([40.0, height - 40.0])
+    for name, along in zip("xyz", view(gravity).T):
+        end = corner + 26.0 * along * (1.0, -1.0)
+        x, y = corner + 1.4 * (end - corner) + (0, 4)
+        out += [f'<path d="{_path(np.array([corner, end]))}" stroke="currentColor"/>', _word(x, y, name, "middle")]
+    step = nice(0.0, 150.0 / scale, 3)[-1]
+    bar = np.array([[WIDTH - 16.0 - step * scale, height - 16.0], [WIDTH - 16.0, height - 16.0]])
+    return [*out, f'<path d="{_path(bar)}" stroke="currentColor" stroke-width="2"/>', _word(WIDTH - 16.0, height - 24.0, f"{step:.6g} m", "end")]
+
+
+def _names(drawing: Drawing, place: Array) -> list[str]:
+    """Names of items, of bodies and beams first; one that would cover another is left out."""
+    out: list[str] = []
+    seen: set[str] = set()
+    taken: list[tuple[float, float, float, float]] = []
+    first = [shape for shape in drawing.shapes if shape.form in ("beam", "rod", "hull", "arm", "axes", "particle")]
+    for shape in (*first, *(shape for shape in drawing.shapes if shape.form not in ("guide", "output"))):
+        if shape.item in seen:
+            continue
+        seen.add(shape.item)
+        x, y = place[list(shape.points)].mean(axis=0) + (7.0, -7.0)
+        box = (x, y - 11.0, x + 6.6 * len(shape.item), y + 3.0)
+        if all(box[0] > other[2] or other[0] > box[2] or box[1] > other[3] or other[1] > box[3] for other in taken):
+            taken.append(box)
+            out.append(_word(x, y, shape.item))
+    return out
 
 
 def _key(times: Array) -> list[str]:

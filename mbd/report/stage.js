@@ -28,7 +28,7 @@ let looking = axes();
 /** Pixels of a point about the origin of the data. */
 const screen = (p) => [size.width / 2 + (dot(looking[0], p) - camera.u) * camera.scale, size.height / 2 - (dot(looking[1], p) - camera.v) * camera.scale];
 
-const MARGIN = { left: 52, right: 24, top: 44, bottom: 40 };
+const MARGIN = { left: 52, right: 24, top: 56, bottom: 40 };
 
 /** Puts everything that ever is somewhere on the canvas. */
 function fit() {

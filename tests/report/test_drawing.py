@@ -8,7 +8,8 @@ import pytest
 import mbd
 import mbd.elements
 import mbd.joints
-from mbd.drawing import DRAWN, Drawing
+from mbd.drawing import Drawing
+from mbd.drawn import DRAWN
 
 from .scenes import slider_crank
 

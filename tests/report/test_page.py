@@ -116,7 +116,7 @@ def test_sections_say_what_the_objects_say(run, reader):
         run.stats["solver"],
         f"{run.audit.work:.6g} J",
         "n_elements = 2",
-        "E = 1e+06 Pa",
+        "E = 1000000 Pa",
         "speed = 8 rad/s",
         "stiffness = 20 N/m",
         "a function of t",
