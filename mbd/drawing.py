@@ -3,7 +3,7 @@
 A shape has a form, which says how its points are meant:
 
     beam             a smooth curve, densely sampled            rod, arm    a line of a rigid body; arms lead to where something is attached
-    hull             the outline of a planar body's points      axes        of a body that nothing else shows: a line along each
+    hull             the outline of a planar body's points      axes        lines that show how a body without a length turns
     centre, particle a dot                                      disc        a circle that turns, with a spoke
     spring, link     a line between two points                  guide       the straight line along which a joint slides
     force            the point where it acts                    ground      a fixed point that something is attached to
@@ -12,27 +12,18 @@ A shape has a form, which says how its points are meant:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from .affine import Affine, Array
+from .drawn import DRAWN
 from .elements.ancf_cable import Cable
-from .elements.force import Force
 from .elements.particle import PlacedParticle
 from .elements.rigid import Body
-from .elements.spring import Spring, TorsionSpring
 from .elements.straight_beam import PlacedBeam
-from .elements.torque import Torque
-from .joints.beam_slider import BeamSlider
-from .joints.drives import Motor, Prescribed
-from .joints.gears import Gear, Rack
-from .joints.knife_edge import KnifeEdge, Wheel
-from .joints.lines import PointOnLine, Slider, fixed_axis
-from .joints.pairs import Ball, Clamp, Distance, Pin
-from .joints.rolling import Rolling
-from .joints.spatial import Cylindrical, Planar, Universal
+from .joints.lines import fixed_axis
 from .marker import Marker
 
 if TYPE_CHECKING:
@@ -61,7 +52,7 @@ class Drawing:
         self.extent = scene.build().length
         self.shapes: list[Shape] = []
         self.points: list[Affine] = []
-        self._known: dict[tuple[bytes, ...], int] = {}
+        self._known: dict[tuple[tuple[complex, ...], ...], int] = {}
         for item in scene.items if items is None else items:
             self._draw(item)
 
@@ -72,7 +63,7 @@ class Drawing:
 
     def _index(self, point: Affine) -> int:
         """Of a point, the same for equal ones."""
-        key = tuple(np.asarray(part).tobytes() for part in (point.rows, point.weights, point.constant))
+        key = tuple(tuple(part.tolist()) for part in (point.rows, point.weights, point.constant))
         if key not in self._known:
             self._known[key] = len(self.points)
             self.points.append(point)
@@ -102,14 +93,14 @@ class Drawing:
         centre, arms = body.at().point, self._arms(body)
         before = len(self.shapes)
         if body.length is not None:
-            half = 0.5 * float(body.length)
-            self.add(body.name, "rod", [centre + body.axes[0].scaled(-half), centre + body.axes[0].scaled(half)])
+            ends = 0.5 * float(body.length) * np.array([[-1.0], [1.0]]) * np.eye(self.scene.dimension)[0]
+            self.add(body.name, "rod", [body.at(*end).point for end in ends.tolist()])
         if self.scene.dimension == 2 and (around := _hull(arms)):
             self.add(body.name, "hull", around)
         for arm in arms:
             if not (body.length is not None and _along_rod(arm, float(body.length))):
                 self.add(body.name, "arm", [centre, arm])
-        if len(self.shapes) == before:
+        if len(self.shapes) == before or (self.scene.dimension == 3 and body.length is None):
             for axis in [body.axes[0], body.axes[0].scaled(1j)] if len(body.axes) == 1 else body.axes:
                 self.add(body.name, "axes", [centre, centre + axis.scaled(0.05 * self.extent)])
         self.add(body.name, "centre", [centre])
@@ -177,85 +168,3 @@ def _hull(arms: Line) -> Line:
 
     around = half(order)[:-1] + half(order[::-1])[:-1]
     return [at[w] for w in (*around, around[0])] if len(around) > 2 else []
-
-
-Drawer = Callable[[Drawing, str, Any], None]
-
-
-def _joint(form: str) -> Drawer:
-    def draw(drawing: Drawing, name: str, joint: Any) -> None:
-        drawing.ground(name, joint.markers)
-        axis = Affine.fixed(joint.axis) if joint.markers[0].dimension == 3 and getattr(joint, "axis", None) is not None else None
-        drawing.symbol(name, form, joint.markers[0], axis)
-
-    return draw
-
-
-def _line(form: str) -> Drawer:
-    def draw(drawing: Drawing, name: str, joint: Any) -> None:
-        a, b = joint.markers
-        drawing.symbol(name, form, a, drawing.guide(name, a, b, joint.axis))
-
-    return draw
-
-
-def _pair(form: str) -> Drawer:
-    def draw(drawing: Drawing, name: str, item: Any) -> None:
-        drawing.ground(name, item.markers)
-        drawing.add(name, form, [marker.point for marker in item.markers])
-
-    return draw
-
-
-def _mark(form: str) -> Drawer:
-    return lambda drawing, name, item: drawing.symbol(name, form, item.markers[0])
-
-
-def _edge(drawing: Drawing, name: str, edge: Any) -> None:
-    drawing.symbol(name, "edge", edge.a, fixed_axis(edge.a, edge.axis / np.linalg.norm(edge.axis)))
-
-
-def _force(drawing: Drawing, name: str, force: Any) -> None:
-    drawing.add(name, "force", [force.marker.point])
-
-
-def _gear(drawing: Drawing, name: str, gear: Any) -> None:
-    if gear.radii is not None and drawing.scene.dimension == 2:
-        for marker, radius in zip((gear.a, gear.b), gear.radii):
-            drawing.wheel(name, marker, float(radius))
-
-
-def _rack(drawing: Drawing, name: str, rack: Any) -> None:
-    if drawing.scene.dimension == 2:
-        drawing.wheel(name, rack.pinion, float(rack.radius))
-
-
-def _rolling(drawing: Drawing, name: str, joint: Any) -> None:
-    drawing.guide(name, joint.a, joint.b, joint.axis)
-    drawing.wheel(name, joint.a, float(joint.radius))
-
-
-DRAWN: dict[type, Drawer] = {
-    Pin: _joint("pin"),
-    Ball: _joint("ball"),
-    Clamp: _joint("clamp"),
-    Universal: _joint("universal"),
-    Planar: _joint("planar"),
-    BeamSlider: _joint("sleeve"),
-    Slider: _line("slider"),
-    Cylindrical: _line("slider"),
-    PointOnLine: _line("follower"),
-    Distance: _pair("link"),
-    Spring: _pair("spring"),
-    TorsionSpring: _mark("torsion spring"),
-    Motor: _mark("motor"),
-    Prescribed: _mark("prescribed"),
-    Torque: _mark("torque"),
-    Force: _force,
-    KnifeEdge: _edge,
-    Wheel: _edge,
-    Gear: _gear,
-    Rack: _rack,
-    Rolling: _rolling,
-}
-"""How the items of each description are drawn; what is not listed has no place of its own: measures, couplings, laws."""

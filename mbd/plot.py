@@ -62,11 +62,13 @@ def plot_path(result: Result, marker: Marker, ax: Any = None, **style: Any) -> A
 def animate(result: Result, path: str | os.PathLike[str] | None = None, *, fps: float = 30, speed: float = 1.0) -> Any:
     """A matplotlib FuncAnimation of all items, ``speed`` times as fast as real time.
 
-    A path ending in .gif is written by Pillow, any other by matplotlib's ffmpeg writer. Keep the returned object: it runs while it lives.
+    A path ending in .gif is written by Pillow, any other (.mp4) by the program ffmpeg; raises RuntimeError where that is not installed.
+    Keep the returned object: it runs while it lives.
     """
     plt = _pyplot()
     from matplotlib.animation import FuncAnimation
 
+    writer = None if path is None else _writer(os.fspath(path))
     if not (fps > 0.0 and speed > 0.0):
         raise ValueError(f"animate: expected positive fps and speed, found {fps!r} and {speed!r}")
     span = float(result.trajectory.t[-1] - result.trajectory.t[0])
@@ -91,8 +93,19 @@ def animate(result: Result, path: str | os.PathLike[str] | None = None, *, fps: 
 
     film: Any = FuncAnimation(ax.figure, show, frames=len(times), interval=1000.0 / fps)
     if path is not None:
-        film.save(os.fspath(path), writer="pillow" if os.fspath(path).endswith(".gif") else "ffmpeg", fps=fps)
+        film.save(os.fspath(path), writer=writer, fps=fps)
     return film
+
+
+def _writer(path: str) -> str:
+    """The name of matplotlib's writer for a file."""
+    from matplotlib.animation import writers
+
+    name = "pillow" if path.lower().endswith(".gif") else "ffmpeg"
+    if not writers.is_available(name):
+        how = "install it (apt-get install ffmpeg, conda install ffmpeg, brew install ffmpeg), or write a .gif"
+        raise RuntimeError(f"animate: {path!r}: expected the program ffmpeg, which writes films, found none on the path; {how}")
+    return name
 
 
 def _pyplot() -> Any:

@@ -257,7 +257,8 @@ class Result(Displayed):
     ) -> None:
         """Writes the run as one HTML file: animation, plots, audit, structure, statistics, the scene. It opens in any browser, without a network.
 
-        outputs       what to plot and follow, by name: markers (their paths), joints (reactions), measures, bodies; None: what moves
+        outputs       what to plot and follow, by name: markers (their paths), joints (reactions), measures, bodies, or functions of a result that
+                      return [n_t] or [n_t, k] at its t; None: what moves
         verification  error estimates to show beside: anything that prints as a table, with ``errors`` by name over ``t`` where it has them
         title         of the page; None: the file's name
 

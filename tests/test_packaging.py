@@ -34,6 +34,7 @@ assert mbd.simulate(scene, t_end=0.1).position(rod.at()).shape[1] == 2
 print(json.dumps({name: module.__file__ for name, module in sys.modules.items() if name.split(".")[0] == "mbd"}))
 """
 ALONE = "import elements"
+DATA = {"mbd/py.typed", *(str(path.relative_to(ROOT)) for ending in ("html", "css", "js") for path in ROOT.glob(f"mbd/report/*.{ending}"))}
 
 
 def run(*command: str | Path, cwd: Path, path: Path | None = None, expect: int = 0) -> subprocess.CompletedProcess[str]:
@@ -113,7 +114,7 @@ def test_the_wheel_holds_the_package_and_nothing_else(dists, tree):
         info = next(name.split("/")[0] for name in names if ".dist-info/" in name)
         metadata = wheel.read(f"{info}/METADATA").decode()
     package = {name for name in names if not name.startswith(f"{info}/")}
-    assert package == {f"{home}/{name}" for folder, home in FOLDERS.items() for name in modules(tree / folder)} | {"mbd/py.typed"}
+    assert package == {f"{home}/{name}" for folder, home in FOLDERS.items() for name in modules(tree / folder)} | DATA
     assert f"{info}/licenses/LICENSE" in names
     assert "License-Expression: BSD-3-Clause\n" in metadata
 

@@ -150,6 +150,17 @@ def test_a_film_in_a_file(planar, tmp_path):
         assert film.n_frames == 6
 
 
+def test_a_film_as_mp4_needs_ffmpeg(planar, tmp_path, monkeypatch):
+    from matplotlib.animation import writers
+
+    if writers.is_available("ffmpeg"):
+        planar.animate(tmp_path / "film.mp4", fps=50)
+        assert (tmp_path / "film.mp4").read_bytes()[4:8] == b"ftyp"
+    monkeypatch.setattr(type(writers), "is_available", lambda self, name: name != "ffmpeg")
+    with pytest.raises(RuntimeError, match=r"film.mp4.*expected the program ffmpeg.*apt-get install ffmpeg.*or write a .gif"):
+        planar.animate(tmp_path / "film.mp4")
+
+
 @pytest.mark.parametrize("bad", [{"fps": 0}, {"speed": -1.0}])
 def test_bad_speeds(planar, bad):
     with pytest.raises(ValueError, match="expected positive fps and speed"):

@@ -64,10 +64,15 @@ function short(x, digits = 4) {
   return String(Number(x.toPrecision(digits))).replace("-", "−");
 }
 
-/** Round numbers between two, at most so many. */
+/** The least round number that divides a range into at most so many. */
+function roundStep(range, most) {
+  const raw = range / Math.max(most, 1), unit = 10 ** Math.floor(Math.log10(raw));
+  return unit * [1, 2, 5, 10].find((m) => m * unit >= raw * (1 - 1e-9));
+}
+
+/** Round numbers between two, about so many. */
 function nice(low, high, most) {
-  const raw = (high - low) / Math.max(most, 1), unit = 10 ** Math.floor(Math.log10(raw));
-  const step = unit * [1, 2, 5, 10].find((m) => m * unit >= raw * (1 - 1e-9));
+  const step = roundStep(high - low, most);
   const ticks = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) ticks.push(Number((k * step).toPrecision(12)));
   return ticks;

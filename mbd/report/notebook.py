@@ -64,5 +64,8 @@ def _(thing: Scene) -> str:
 @html.register
 def _(thing: Result) -> str:
     """The page of a report in a frame that can reach nothing outside of itself."""
-    inner = escape(page(thing, repr(thing).strip("<>"), size=SIZE))
+    try:
+        inner = escape(page(thing, repr(thing).strip("<>"), size=SIZE))
+    except ValueError as error:  # the scene has grown since
+        return _framed(f"<p>{escape(repr(thing))}</p><p>{escape(str(error))}</p>")
     return f'<iframe sandbox="allow-scripts" style="width:100%;height:640px;border:1px solid #888" title="a run, animated" srcdoc="{inner}"></iframe>'

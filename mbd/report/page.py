@@ -33,7 +33,7 @@ def page(result: Result, title: str, outputs: Any = None, verification: Any = No
         "style": _file("page.css"),
         "summary": text(_summary(result)),
         "doubts": "".join(f'<li class="doubt">{text(line)}</li>' for line in words.doubts(result)),
-        "picture": run_picture(result),
+        "picture": run_picture(film.drawing, film.points, film.run.t),
         "sections": "".join(_section(*each) for each in _sections(result, verification)),
         "data": embedded(data),
         "script": "\n".join(_file(name) for name in SCRIPTS),
@@ -54,7 +54,8 @@ def embedded(data: Any) -> str:
 def _summary(result: Result) -> str:
     start, end = float(result.trajectory.t[0]), float(result.trajectory.t[-1])
     stats = result.stats
-    return f"{len(result.scene.items)} items, {start:.6g} to {end:.6g} s in {stats['steps']} steps of {stats['solver']}, computed in {stats['wall time']:.3g} s"
+    steps = f"{stats['steps']} steps of {stats['solver']}, computed in {stats['wall time']:.3g} s"
+    return f"{len(result.scene.items)} items, {start:.6g} to {end:.6g} s in {steps}"
 
 
 def _data(film: Frames, shown: list[Plot], result: Result) -> dict[str, Any]:

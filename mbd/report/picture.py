@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ..affine import Array
 from ..drawing import FINE, Drawing
-from ..result import Result
 from ..scene import Scene
 from .words import text
 
@@ -18,6 +15,8 @@ SHADES = np.array([(68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (1
 """From the first time to the last: the viridis map, without its palest end."""
 AZIMUTH, ELEVATION = -0.9, 0.45
 """From where space is seen [rad]; the page starts with the same view."""
+SHAPES, POINTS, NAMED = 9, 4000, 40
+"""The most that a picture of a run shows."""
 STROKE = {"beam": 2.5, "rod": 4.0, "arm": 1.5, "hull": 1.5, "axes": 1.5, "disc": 1.5, "spring": 1.2, "link": 1.5, "guide": 0.8}
 DASHED = {"link": "6 3", "guide": "8 3 2 3"}
 
@@ -26,37 +25,34 @@ def scene_picture(scene: Scene) -> str:
     """The scene at its start, as described."""
     q = scene.build().q0[None]
     drawing = Drawing(scene, q, fine=FINE // 4)
-    return picture(drawing, drawing.at(q), np.zeros(0), f"the scene at its start: {len(scene.items)} items")
+    title = f"the scene at its start: {len(scene.items)} items"
+    return picture(drawing, drawing.at(q), np.zeros(0), title, names=len(scene.items) <= NAMED)
 
 
-def run_picture(result: Result, shapes: int = 9) -> str:
-    """The run as shapes at even times."""
-    t = np.linspace(result.trajectory.t[0], result.trajectory.t[-1], shapes)
-    try:
-        q, _ = result.trajectory.at(t)
-    except Exception:  # a result from a file that lost its functions of time has no values between its steps
-        chosen = np.unique(np.linspace(0, len(result.t) - 1, shapes).round().astype(int))
-        t, q = result.t[chosen], result.q[chosen]
-    drawing = Drawing(result.scene, q, fine=FINE // 4)
-    return picture(drawing, drawing.at(q), t, f"shapes at {len(t)} times from {t[0]:g} to {t[-1]:g} s")
+def run_picture(drawing: Drawing, points: Array, times: Array) -> str:
+    """A run as shapes at even times; points [n_t, n_points, d] at times [n_t] [s]. Of a scene of very many points fewer shapes."""
+    count = min(max(POINTS // max(points.shape[1], 1), 2), SHAPES, len(times))
+    chosen = np.linspace(0, len(times) - 1, count).round().astype(int)
+    return picture(drawing, points[chosen], times[chosen], f"shapes at {count} times from {times[0]:g} to {times[-1]:g} s")
 
 
-def picture(drawing: Drawing, points: Array, times: Array, title: str) -> str:
-    """points [n_t, n_points, d]; times [n_t] [s], from the second on a key to the shades."""
+def picture(drawing: Drawing, points: Array, times: Array, title: str, names: bool = False) -> str:
+    """points [n_t, n_points, d]; times [n_t] [s], from the second on a key to the shades; names of items beside them."""
     flat = projected(points, drawing.scene.gravity)
     low, high = _box(flat, drawing.extent)
     scale = min((WIDTH - LEFT - ROOM) / (high[0] - low[0]), 420.0 / (high[1] - low[1]))
     left = LEFT + 0.5 * (WIDTH - LEFT - ROOM - scale * (high[0] - low[0]))
     height = scale * (high[1] - low[1]) + 2.0 * ROOM + 20.0
     place = np.stack((left + scale * (flat[..., 0] - low[0]), ROOM + scale * (high[1] - flat[..., 1])), axis=-1)
-    parts = _axes(low, high, scale, left) if drawing.scene.dimension == 2 else []
+    parts = _axes(low, high, scale, left) if drawing.scene.dimension == 2 else _directions(drawing.scene.gravity, scale, height)
     for k, at in enumerate(place):
         colour = _shade(k / max(len(place) - 1, 1)) if len(place) > 1 else "currentColor"
         parts += [_shape(shape.form, at[list(shape.points)], colour, last=k == len(place) - 1) for shape in drawing.shapes]
-    parts += _key(times, height) if len(times) > 1 else []
+    parts += _key(times) if len(times) > 1 else []
+    parts += _names(drawing, place[-1]) if names else []
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:g} {height:.0f}" role="img" aria-label="{text(title)}"'
     style = 'style="max-width:100%;height:auto" font-family="sans-serif" font-size="12" fill="currentColor"'
-    return f"{head} width=\"{WIDTH:g}\" {style}><title>{text(title)}</title>{''.join(parts)}</svg>"
+    return f'{head} width="{WIDTH:g}" {style}><title>{text(title)}</title>{"".join(parts)}</svg>'
 
 
 def projected(points: Array, gravity: Array) -> Array:
@@ -136,28 +132,59 @@ def nice(low: float, high: float, most: int) -> Array:
     """Round numbers between two, about as many as wanted."""
     step = 10.0 ** np.floor(np.log10((high - low) / most))
     step *= next(m for m in (1, 2, 5, 10) if (high - low) / (m * step) <= most)
-    return np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step
+    return np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step + 0.0
 
 
 def _axes(low: Array, high: Array, scale: float, left: float) -> list[str]:
-    bottom = ROOM + scale * (high[1] - low[1]) + 12.0
+    bottom, right = ROOM + scale * (high[1] - low[1]) + 12.0, left + scale * (high[0] - low[0])
     out = []
     for x in nice(low[0], high[0], 7):
         at = left + scale * (x - low[0])
-        out.append(f'<path d="M{at:.1f} {bottom:.1f}v5" stroke="currentColor"/><text x="{at:.1f}" y="{bottom + 18:.1f}" text-anchor="middle">{x:.6g}</text>')
+        out += [f'<path d="M{at:.1f} {bottom:.1f}v5" stroke="currentColor"/>', _word(at, bottom + 18, f"{x:.6g}", "middle")]
     for y in nice(low[1], high[1], 5):
         at = ROOM + scale * (high[1] - y)
-        out.append(f'<path d="M{left - 14:.1f} {at:.1f}h-5" stroke="currentColor"/><text x="{left - 22:.1f}" y="{at + 4:.1f}" text-anchor="end">{y:.6g}</text>')
-    right = left + scale * (high[0] - low[0])
-    out.append(f'<text x="{right + 8:.1f}" y="{bottom + 5:.1f}">x [m]</text><text x="{left - 30:.1f}" y="{ROOM - 22:.1f}">y [m]</text>')
+        out += [f'<path d="M{left - 14:.1f} {at:.1f}h-5" stroke="currentColor"/>', _word(left - 22, at + 4, f"{y:.6g}", "end")]
+    return [*out, _word(right + 8, bottom + 5, "x [m]"), _word(left - 30, ROOM - 22, "y [m]")]
+
+
+def _directions(gravity: Array, scale: float, height: float) -> list[str]:
+    """The axes of space, and a length to compare with."""
+    out, corner = [], np.array([40.0, height - 40.0])
+    for name, along in zip("xyz", view(gravity).T):
+        end = corner + 26.0 * along * (1.0, -1.0)
+        x, y = corner + 1.4 * (end - corner) + (0, 4)
+        out += [f'<path d="{_path(np.array([corner, end]))}" stroke="currentColor"/>', _word(x, y, name, "middle")]
+    step = nice(0.0, 150.0 / scale, 3)[-1]
+    bar = np.array([[WIDTH - 16.0 - step * scale, height - 16.0], [WIDTH - 16.0, height - 16.0]])
+    return [*out, f'<path d="{_path(bar)}" stroke="currentColor" stroke-width="2"/>', _word(WIDTH - 16.0, height - 24.0, f"{step:.6g} m", "end")]
+
+
+def _names(drawing: Drawing, place: Array) -> list[str]:
+    """Names of items, of bodies and beams first; one that would cover another is left out."""
+    out: list[str] = []
+    seen: set[str] = set()
+    taken: list[tuple[float, float, float, float]] = []
+    first = [shape for shape in drawing.shapes if shape.form in ("beam", "rod", "hull", "arm", "axes", "particle")]
+    for shape in (*first, *(shape for shape in drawing.shapes if shape.form not in ("guide", "output"))):
+        if shape.item in seen:
+            continue
+        seen.add(shape.item)
+        x, y = place[list(shape.points)].mean(axis=0) + (7.0, -7.0)
+        box = (x, y - 11.0, x + 6.6 * len(shape.item), y + 3.0)
+        if all(box[0] > other[2] or other[0] > box[2] or box[1] > other[3] or other[1] > box[3] for other in taken):
+            taken.append(box)
+            out.append(_word(x, y, shape.item))
     return out
 
 
-def _key(times: Sequence[float] | Array, height: float) -> list[str]:
-    out, width = [], 150.0
-    first = WIDTH - width - 70.0
-    for k in range(len(times)):
-        x = first + k * width / len(times)
-        out.append(f'<rect x="{x:.1f}" y="8" width="{width / len(times):.1f}" height="8" fill="{_shade(k / (len(times) - 1))}"/>')
-    ends = f'<text x="{first - 6:.1f}" y="16" text-anchor="end">t = {times[0]:.4g}</text><text x="{first + width + 6:.1f}" y="16">{times[-1]:.4g} s</text>'
-    return [*out, ends]
+def _key(times: Array) -> list[str]:
+    """Which shade is when."""
+    wide, count = 150.0, len(times)
+    first = WIDTH - wide - 70.0
+    size = f'y="8" width="{wide / count:.1f}" height="8"'
+    cells = [f'<rect x="{first + k * wide / count:.1f}" {size} fill="{_shade(k / (count - 1))}"/>' for k in range(count)]
+    return [*cells, _word(first - 6, 16, f"t = {times[0]:.4g}", "end"), _word(first + wide + 6, 16, f"{times[-1]:.4g} s")]
+
+
+def _word(x: float, y: float, said: str, anchor: str = "start") -> str:
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{text(said)}</text>'

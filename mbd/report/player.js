@@ -137,8 +137,10 @@ $("keys").textContent = "Space plays, arrow keys step (home, end: first, last), 
 canvas.setAttribute("aria-label", `The mechanism in motion: ${bodies.slice(0, 8).join(", ")}`);
 speeds();
 refresh();
-let widthNow = document.body.clientWidth;
-new ResizeObserver(() => { if (document.body.clientWidth !== widthNow) { widthNow = document.body.clientWidth; refresh(); } }).observe(document.body);
+new ResizeObserver(() => {
+  const box = canvas.getBoundingClientRect();
+  if (box.width && (box.width !== size.width || box.height !== size.height)) refresh();
+}).observe(canvas);
 
 window.mbdReport = {
   seek, play, pause, fit: () => { fit(); show(); },

@@ -16,6 +16,8 @@ const tag = (name, text = "", parent = null, className = "") => {
 };
 const LINES = ["c0", "c1", "c2", "c3", "c4", "c5"];
 const HEADINGS = { energy: "Energy and audit", audit: "Energy and audit", errors: "Estimated errors", outputs: "Outputs", reactions: "Reactions of joints" };
+/** The most that a logarithmic plot shows; what is smaller lies on its floor. */
+const DECADES = 10;
 const SUPER = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 const power = (k) => "10" + (k < 0 ? "⁻" : "") + [...String(Math.abs(k))].map((c) => SUPER[c]).join("");
 
@@ -58,7 +60,10 @@ class Plot {
     }
     this.nothing = low > high;
     if (low > high) [low, high] = this.spec.log ? [1e-16, 1] : [0, 1];
-    if (this.spec.log) return [Math.floor(Math.log10(low) + 1e-9), Math.max(Math.ceil(Math.log10(high) - 1e-9), Math.floor(Math.log10(low)) + 1)];
+    if (this.spec.log) {
+      const top = Math.ceil(Math.log10(high) - 1e-9);
+      return [clamp(Math.floor(Math.log10(low) + 1e-9), top - DECADES, top - 1), top];
+    }
     const room = 0.05 * (high - low) || 0.05 * Math.abs(high) || 1;
     return [low - room, high + room];
   }
@@ -69,6 +74,7 @@ class Plot {
     svg.replaceChildren();
     svg.setAttribute("viewBox", `0 0 ${wide} ${tall}`);
     const [low, high] = this.span(), log = this.spec.log;
+    this.lowest = low;
     const ticks = log ? this.decades(low, high) : nice(low, high, 5);
     const labels = ticks.map((y) => (log ? power(y) : short(y, 6)));
     this.left = 14 + 7 * Math.max(...labels.map((label) => label.length));
@@ -103,8 +109,9 @@ class Plot {
   path(values) {
     let out = "", pause = true;
     values.forEach((y, k) => {
-      if (!isFinite(y) || (this.spec.log && y <= 0)) { pause = true; return; }
-      out += `${pause ? "M" : "L"}${this.px(this.x[k]).toFixed(1)} ${this.py(y).toFixed(1)}`;
+      if (!isFinite(y)) { pause = true; return; }
+      const height = this.spec.log ? this.py(Math.max(y, 10 ** this.lowest)) : this.py(y);
+      out += `${pause ? "M" : "L"}${this.px(this.x[k]).toFixed(1)} ${height.toFixed(1)}`;
       pause = false;
     });
     return out;

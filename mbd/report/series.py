@@ -12,8 +12,8 @@ import numpy as np
 from ..affine import Array
 from ..audit import History, histories
 from ..errors import SceneWarning, SimulationError
-from ..joints.drives import PlacedDrive
-from ..joints.placed import PlacedJoint
+from ..joints.measures import PlacedMeasure
+from ..joints.placed import Placed
 from ..marker import Marker
 from ..result import Result
 
@@ -38,14 +38,14 @@ class Plot:
 
 def plots(result: Result, run: Result, outputs: dict[str, Any], verification: Any = None) -> list[Plot]:
     """All plots of a result; ``run``: the same at the frames."""
-    shown = [_output(run, name, item) for name, item in outputs.items() if not is_joint(item)]
+    shown = [_output(run, name, item) for name, item in outputs.items() if not is_joint(item) or hasattr(item, "coordinate")]
     chosen = {name: item for name, item in outputs.items() if is_joint(item)}
     return [_energy(run), *_drift(result), *_errors(verification), *shown, *_reactions(run, chosen)]
 
 
 def is_joint(item: Any) -> bool:
-    """Whether it is one that exerts reactions and has no value to show instead."""
-    return isinstance(item, PlacedJoint | PlacedDrive) and not hasattr(item, "coordinate")
+    """Whether it is one whose reaction is of interest in itself; measures have a value instead."""
+    return isinstance(item, Placed) and not isinstance(item, PlacedMeasure)
 
 
 def checked(result: Result, outputs: Any) -> dict[str, Any]:
@@ -56,10 +56,10 @@ def checked(result: Result, outputs: Any) -> dict[str, Any]:
     for name, item in outputs.items() if not wrong else []:
         if not (isinstance(name, str) and name):
             wrong.append(f"expected a text for a name, found {name!r}")
-        fits = isinstance(item, Marker) or is_joint(item) or hasattr(item, "coordinate") or hasattr(item, "axes")
+        fits = isinstance(item, Marker) or is_joint(item) or hasattr(item, "coordinate") or hasattr(item, "axes") or callable(item)
         if not fits:
-            wrong.append(f"{name!r}: expected a marker, a joint, a drive, a measure or a body of the scene, found {item!r}")
-        elif (item.scene if isinstance(item, Marker) else item.site.scene) is not result.scene:
+            wrong.append(f"{name!r}: expected a marker, joint, drive, measure or body of the scene, or a function of the result, found {item!r}")
+        elif not callable(item) and (item.scene if isinstance(item, Marker) else item.site.scene) is not result.scene:
             wrong.append(f"{name!r}: expected something of the scene that ran, found {item!r} of another")
     if wrong:
         raise ValueError("report: outputs: " + "; ".join(wrong))
@@ -70,11 +70,12 @@ def _moving(result: Result, most: int = 4) -> dict[str, Any]:
     """Ends of beams, particles, mass centres: the first few that move."""
     found: dict[str, Any] = {}
     for item in result.scene.items:
-        markers = {f"{item.name}.end": item.end} if hasattr(item, "end") else {item.name: item.at()} if item.description.kind in ("body", "particle") else {}
-        for name, marker in markers.items():
-            if np.ptp(result.position(marker), axis=0).max() > 1e-6 * result.system.length:
-                found[name] = marker
-    return dict(list(found.items())[:most])
+        name, marker = (f"{item.name}.end", item.end) if hasattr(item, "end") else (item.name, item.at() if hasattr(item, "at") else None)
+        if marker and np.ptp(result.position(marker), axis=0).max() > 1e-6 * result.system.length:
+            found[name] = marker
+        if len(found) == most:
+            break
+    return found
 
 
 def _energy(run: Result) -> Plot:
@@ -113,11 +114,21 @@ def _worst(told: Sequence[History]) -> tuple[Array, Array]:
 def _output(run: Result, name: str, item: Any) -> Plot:
     if isinstance(item, Marker):
         return Plot("outputs", name, "m", dict(zip("xyz", run.position(item).T)))
+    if callable(item):
+        return Plot("outputs", name, "", _columns(name, item(run), len(run.t)))
     if hasattr(item, "coordinate"):
-        return Plot("outputs", name, getattr(item.description, "unit", ""), {item.description.kind: run.q[:, item.coordinate]})
+        return Plot("outputs", name, getattr(item.description, "unit", "m"), {item.description.kind: run.q[:, item.coordinate]})
     if run.system.dimension == 2:
         return Plot("outputs", name, "rad", {"angle": run.angle(item)})
     return Plot("outputs", name, "rad/s", {f"angular velocity {axis}": values for axis, values in zip("xyz", run.angular_velocity(item).T)})
+
+
+def _columns(name: str, values: Any, count: int) -> dict[str, Array]:
+    """What a user's function gave, as curves."""
+    array = np.asarray(values, dtype=float)
+    if array.ndim not in (1, 2) or len(array) != count:
+        raise ValueError(f"report: outputs: {name!r}: expected a function of the result to [n_t] or [n_t, k] at its t, found shape {array.shape}")
+    return {name: array} if array.ndim == 1 else {f"{name} {k + 1}": column for k, column in enumerate(array.T)}
 
 
 def _reactions(run: Result, chosen: dict[str, Any]) -> list[Plot]:
@@ -154,13 +165,17 @@ def _reaction(run: Result, name: str, joint: Any) -> list[Plot]:
 
 
 def _errors(verification: Any) -> list[Plot]:
-    """Estimated errors of outputs over time, where a verification has them."""
+    """Estimated errors of outputs over time, a plot for each unit, where a verification has them."""
     t, errors = getattr(verification, "t", None), getattr(verification, "errors", None)
     if t is None or not isinstance(errors, dict):
         return []
-    curves = {}
+    times = np.asarray(t, dtype=float)
+    units = {row.output: row.unit for row in getattr(verification, "rows", ()) if hasattr(row, "output") and hasattr(row, "unit")}
+    found: dict[str, Plot] = {}
     for name, values in errors.items():
         size = np.abs(np.asarray(values, dtype=float))
-        curves[str(name)] = np.linalg.norm(size, axis=-1) if size.ndim > 1 else size
-    fit = {name: size for name, size in curves.items() if size.shape == np.shape(t)}
-    return [Plot("errors", "Estimated errors", "of the output", fit, np.asarray(t, dtype=float), log=True)] if fit else []
+        size = np.linalg.norm(size, axis=-1) if size.ndim > 1 else size
+        if size.shape == times.shape:
+            unit = units.get(name, "of the output")
+            found.setdefault(unit, Plot("errors", "Estimated errors", unit, {}, times, log=True)).curves[str(name)] = size
+    return list(found.values())

@@ -16,12 +16,11 @@ const track = (k) => ink[TRACKS[k % TRACKS.length]];
 function axes() {
   if (d === 2) return [[1, 0], [0, 1]];
   const [ca, sa, ce, se] = [Math.cos(camera.azimuth), Math.sin(camera.azimuth), Math.cos(camera.elevation), Math.sin(camera.elevation)];
-  const out = [[-sa, ca, 0], [-ca * se, -sa * se, ce], [ca * ce, sa * ce, se]].map((row) => {
+  return [[-sa, ca, 0], [-ca * se, -sa * se, ce], [ca * ce, sa * ce, se]].map((row) => {
     const turned = [0, 0, 0];
     [(run.up + 1) % 3, (run.up + 2) % 3, run.up].forEach((axis, k) => { turned[axis] = row[k]; });
     return turned;
   });
-  return out;
 }
 const dot = (a, b) => { let sum = 0; for (let i = 0; i < d; i++) sum += a[i] * b[i]; return sum; };
 let looking = axes();
@@ -29,7 +28,7 @@ let looking = axes();
 /** Pixels of a point about the origin of the data. */
 const screen = (p) => [size.width / 2 + (dot(looking[0], p) - camera.u) * camera.scale, size.height / 2 - (dot(looking[1], p) - camera.v) * camera.scale];
 
-const MARGIN = { left: 52, right: 24, top: 44, bottom: 40 };
+const MARGIN = { left: 52, right: 24, top: 56, bottom: 40 };
 
 /** Puts everything that ever is somewhere on the canvas. */
 function fit() {
@@ -84,8 +83,7 @@ function word(text, x, y, align = "left", colour = ink.quiet) {
 
 /** Lines and numbers of the plane, in metres. */
 function grid() {
-  const wide = size.width / camera.scale, tall = size.height / camera.scale, most = Math.max(2, Math.min(size.width, size.height) / 70);
-  const step = nice(0, Math.min(wide, tall), most)[1] || 1;
+  const wide = size.width / camera.scale, tall = size.height / camera.scale, step = roundStep(wide, size.width / 80);
   const [u0, v0] = [camera.u - wide / 2 + run.origin[0], camera.v - tall / 2 + run.origin[1]];
   const at = (low, length) => { const out = []; for (let k = Math.ceil(low / step); k * step <= low + length; k++) out.push(k * step); return out; };
   const place = (x, y) => screen([x - run.origin[0], y - run.origin[1]]);
@@ -110,7 +108,7 @@ function floor() {
     line([corner, [corner[0] + u, corner[1] + v]], ink.ink, 1.5);
     word(name, corner[0] + 1.35 * u, corner[1] + 1.35 * v + 4, "center", ink.ink);
   });
-  const step = nice(0, 160 / camera.scale, 2)[1], end = size.width - 16;
+  const step = roundStep(160 / camera.scale, 2.5), end = size.width - 16;
   line([[end - step * camera.scale, size.height - 16], [end, size.height - 16]], ink.ink, 2);
   word(`${short(step)} m`, end, size.height - 24, "right", ink.ink);
 }
@@ -124,7 +122,7 @@ function drawGhosts(t, count = 8) {
     const then = tStart + (k / count) * (tEnd - tStart);
     if (then >= t) break;
     const now = pose(then);
-    for (const shape of shapes) if (OUTLINES[shape.form]) OUTLINES[shape.form](place(now, shape), solid(shape.item));
+    for (const shape of shapes) if (["beam", "rod", "arm", "hull", "disc"].includes(shape.form)) OUTLINES[shape.form](place(now, shape), solid(shape.item));
   }
   pen.globalAlpha = 1;
 }
@@ -165,13 +163,20 @@ function follow([x, y], k, brush = pen, colour = track(k)) {
   brush.fillStyle = colour; brush.fill();
 }
 
+/** Names of items, of bodies and beams first; one that would cover another is left out. */
 function names(now) {
-  const seen = new Set();
-  for (const shape of shapes) {
-    if (seen.has(shape.item) || shape.form === "output" || shape.form === "guide") continue;
+  const seen = new Set(), taken = [];
+  const labelled = shapes.filter((shape) => !["output", "guide"].includes(shape.form));
+  for (const shape of [...labelled.filter((each) => bodies.includes(each.item)), ...labelled]) {
+    if (seen.has(shape.item)) continue;
     seen.add(shape.item);
     const middle = shape.at[shape.form === "beam" ? shape.at.length >> 1 : 0], [x, y] = screen(point(now, middle));
     const two = shape.form === "rod" ? screen(point(now, shape.at[1])) : [x, y];
-    word(shape.item, (x + two[0]) / 2 + 8, (y + two[1]) / 2 - 8, "left", ink.ink);
+    const left = (x + two[0]) / 2 + 8, low = (y + two[1]) / 2 - 8;
+    pen.font = "12px system-ui, sans-serif";
+    const box = [left - 2, low - 11, left + pen.measureText(shape.item).width + 2, low + 3];
+    if (taken.some((other) => box[0] < other[2] && other[0] < box[2] && box[1] < other[3] && other[1] < box[3])) continue;
+    taken.push(box);
+    word(shape.item, left, low, "left", ink.ink);
   }
 }

@@ -66,7 +66,10 @@ const OUTLINES = {
 };
 const SYMBOLS = {
   centre: ([p], colour) => disc(p, 2.5, colour, colour),
-  pin: ([p]) => disc(p, 4.5, ink.paper),
+  pin: (p) => {
+    if (d === 3) line([p[0].map((x, i) => 2 * x - p[1][i]), p[1]], ink.ink, 2.5);
+    disc(p[0], 4.5, ink.paper);
+  },
   ball: ([p]) => disc(p, 5, ink.quiet),
   universal: ([p]) => { disc(p, 5.5, ink.paper); line([[p[0] - 4, p[1] - 4], [p[0] + 4, p[1] + 4]], ink.ink, 1.3); line([[p[0] - 4, p[1] + 4], [p[0] + 4, p[1] - 4]], ink.ink, 1.3); },
   clamp: (p) => block(p[0], heading(p), 7, 16, ink.quiet),

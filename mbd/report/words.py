@@ -18,82 +18,33 @@ from ..marker import Marker
 from ..result import Result
 from ..scene import Scene
 from ..vibration import Modes
+from .quantities import LONGEST, array, number, place, shown, unit_of
 
-UNITS = {
-    "E": "Pa", "A": "m²", "I": "m⁴", "rho": "kg/m³", "GA": "N", "rotary_inertia": "kg m", "damping": "s", "mass": "kg", "inertia": "kg m²",
-    "position": "m", "angle": "rad", "velocity": "m/s", "angular_velocity": "rad/s", "length": "m", "start": "m", "end": "m", "radius": "m",
-    "radii": "m", "speed": "rad/s", "torque": "N m", "vector": "N", "gravity_vector": "m/s²",
-}  # fmt: skip
-"""By field; SI by convention."""
-SPECIAL = {
-    "Spring": {"stiffness": "N/m", "damping": "N s/m"},
-    "TorsionSpring": {"stiffness": "N m/rad", "damping": "N m s/rad"},
-    "Torque": {"value": "N m"},
-    "Friction": {"speed": ""},
-    "Stop": {"damping": ""},
-    "PD": {"derivative": ""},
-}
-"""Where a field of this kind has another unit, or one that depends on what it acts on."""
-ITEMS, LONGEST = 300, 12
-"""Rows of the table of items, and numbers of an array, that are shown."""
+ITEMS = 300
+"""Rows of the table of items."""
 
 
 def text(value: Any) -> str:
     return escape(str(value))
 
 
-def table(rows: Iterable[Sequence[str]], head: Sequence[str] = ()) -> str:
+def table(rows: Iterable[Sequence[str]], head: Sequence[str] = (), kind: str = "") -> str:
     """Cells are HTML. Of a table without a head the first column names the rows."""
     first = "td" if head else 'th scope="row"'
     body = "".join(f"<tr><{first}>{row[0]}</{first[:2]}>" + "".join(f"<td>{cell}</td>" for cell in row[1:]) + "</tr>" for row in rows)
     top = "<thead><tr>" + "".join(f'<th scope="col">{text(cell)}</th>' for cell in head) + "</tr></thead>" if head else ""
-    return f'<div class="wide"><table>{top}<tbody>{body}</tbody></table></div>'
-
-
-def number(value: float) -> str:
-    """As short as it can be said exactly."""
-    short = f"{value:g}"
-    return short if float(short) == value else repr(float(value))
+    return f'<div class="wide {kind}"><table>{top}<tbody>{body}</tbody></table></div>'
 
 
 def rounded(value: Any) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def shown(value: Any) -> str:
-    """A field of a description, in words."""
-    if isinstance(value, Marker):
-        return place(value)
-    if callable(value):
-        return f"a function of t ({getattr(value, '__name__', type(value).__name__)})"
-    if hasattr(value, "description"):
-        return str(value.name)
-    if isinstance(value, np.ndarray | np.generic):
-        return _array(np.asarray(value))
-    if isinstance(value, list | tuple):
-        return "(" + ", ".join(shown(part) for part in value[:LONGEST]) + (", …" if len(value) > LONGEST else "") + ")"
-    return number(value) if isinstance(value, float) else str(value)
-
-
-def _array(value: np.ndarray) -> str:
-    if value.ndim == 0:
-        return number(float(value))
-    if value.size > LONGEST:
-        return f"{' × '.join(map(str, value.shape))} numbers from {value.min():.6g} to {value.max():.6g}"
-    return "(" + ", ".join(_array(part) for part in value) + ")"
-
-
-def place(marker: Marker) -> str:
-    """A marker's item, and where it is at the start."""
-    scene: Any = marker.scene
-    return f"{marker.item} at {_array(marker.point.value(scene.layout.start()[0]).round(12))}"
-
-
 def items(scene: Scene) -> str:
     rows = [_item(item) for item in scene.items[:ITEMS]]
     left = len(scene.items) - len(rows)
     more = f"<p>{left} more items are not listed.</p>" if left else ""
-    return table(rows, ("name", "kind", "where [m]", "numbers")) + more
+    return table(rows, ("name", "kind", "where [m]", "numbers"), "items") + more
 
 
 def _item(item: Any) -> tuple[str, ...]:
@@ -104,13 +55,12 @@ def _item(item: Any) -> tuple[str, ...]:
         if isinstance(value, Marker):
             where.append(place(value))
         elif value is not None and each.name != "name":
-            kind = type(description).__name__
-            unit = SPECIAL.get(kind, {}).get(each.name, UNITS.get(each.name, ""))
+            unit = unit_of(type(description).__name__, each.name)
             numbers.append(f"{each.name} = {shown(value)}{' ' + unit if unit and not callable(value) else ''}")
     if not where:
-        where = [f"{name} at {_array(np.asarray(getattr(description, name)))}" for name in ("position",) if hasattr(description, name)]
-        numbers = [line for line in numbers if not (where and line.startswith("position ="))]
-    return text(item.name), text(type(description).__name__), text(" – ".join(where)), text(", ".join(numbers))
+        where = [array(description.position)] if hasattr(description, "position") else []
+        numbers = [line for line in numbers if not line.startswith("position =")]
+    return text(item.name), text(type(description).__name__), text("; ".join(where)), text(", ".join(numbers))
 
 
 def structure(found: Structure) -> str:
@@ -199,7 +149,7 @@ def reproduction(result: Result) -> str:
     rows = [
         ("run", f"<code>mbd.simulate(scene, {text(', '.join(options))})</code>"),
         ("solver", _listed(solvers, 6)),
-        ("gravity", text(_array(np.asarray(result.scene.gravity))) + " m/s²"),
+        ("gravity", text(array(np.asarray(result.scene.gravity))) + " m/s²"),
         ("coordinates, equations", f"{result.system.n}, {result.system.m}"),
         ("random numbers", "none: the same input on the same machine gives the same numbers"),
         ("mbd", text(__version__)),
