@@ -28,6 +28,7 @@ suppress_warnings = ["config.cache"]  # functions in sphinx_gallery_conf
 
 autodoc_typehints = "signature"
 autodoc_member_order = "bysource"
+smartquotes = False
 python_use_unqualified_type_names = True
 
 html_theme, html_title = "furo", "mbd"

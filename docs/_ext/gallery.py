@@ -81,6 +81,6 @@ CONFIGURATION = {
     "abort_on_example_error": True,
     "remove_config_comments": True,
     "plot_gallery": "True",
-    "thumbnail_size": (400, 260),
+    "thumbnail_size": (480, 220),
     "copyfile_regex": "",
 }

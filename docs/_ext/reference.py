@@ -12,6 +12,7 @@ import pages
 import mbd
 
 README = Path(__file__).resolve().parents[2] / "README.md"
+GAP = re.compile(r"(?<=\S) {2,}(?=\S)")
 REST = "what they return and raise"
 
 
@@ -34,7 +35,7 @@ def write(folder: Path) -> None:
         parts += [f"```{{eval-rst}}\n{directive(name)}\n```" for name in names]
         pages.write(folder / f"{_file(label)}.md", "\n\n".join(parts) + "\n")
     listed = "\n".join(map(_file, made))
-    about = "Every public name of `mbd`, with shapes, units and errors. Lists are aligned as in the source: `help(mbd.AncfCable)` shows the same."
+    about = "Every public name of `mbd`, with shapes, units and errors. `help(mbd.AncfCable)` shows the same."
     pages.write(folder / "index.md", f"# Reference\n\n{about}\n\n```{{toctree}}\n:maxdepth: 2\n\n{listed}\n```\n")
     pages.rid(folder, {f"{_file(label)}.md" for label in [*made, "index"]})
 
@@ -55,17 +56,29 @@ def _file(label: str) -> str:
 
 
 def process(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
-    """Docstrings are plain text: lists that are aligned by spaces stay so, as literal blocks, the rest becomes paragraphs."""
+    """Docstrings are plain text: lists aligned by spaces become definition lists, what is indented stays as it is, the rest are paragraphs."""
     text = inspect.cleandoc("\n".join(lines))
-    lines[:] = [line for part in re.split(r"\n\s*\n", text) for line in (*_shown(part), "")]
+    lines[:] = [line for part in re.split(r"\n\s*\n", text) for line in (*_shown(part.splitlines()), "")]
 
 
-def _shown(part: str) -> list[str]:
-    rows = part.splitlines()
-    if re.search(r"\S {2,}\S|^ +\S", part, re.MULTILINE):
-        lead = next(k for k, row in enumerate([*rows, " "]) if re.search(r"\S {2,}\S|^ +\S", row) or row == " ")
-        return [*map(_plain, rows[:lead]), "", "::", "", *(f"    {row}" for row in rows[lead:])]
-    return [_plain(row) for row in rows]
+def _shown(rows: list[str]) -> list[str]:
+    """A paragraph, and what follows its last plain line: a list or a block of text."""
+    first = next((k for k, row in enumerate(rows) if GAP.search(row) or row.startswith(" ")), len(rows))
+    paragraph, rest = [_plain(row) for row in rows[:first]], rows[first:]
+    if rest and all(GAP.search(row) or row.startswith(" ") for row in rest) and not rest[0].startswith(" "):
+        return [*paragraph, "", *_definitions(rest)]
+    return [*paragraph, "", ".. code-block:: text", "", *(f"    {row}" for row in rest)] if rest else paragraph
+
+
+def _definitions(rows: list[str]) -> list[str]:
+    out: list[str] = []
+    for row in rows:
+        if row.startswith(" "):
+            out.append(f"    {_plain(row.strip())}")
+        else:
+            term, _, text = GAP.sub("\0", row, count=1).partition("\0")
+            out += [f"``{term}``", f"    {_plain(text)}"]
+    return out
 
 
 def _plain(row: str) -> str:

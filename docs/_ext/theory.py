@@ -17,6 +17,8 @@ ABOUT = """Each page is what `python -m mbd derive SUBJECT` prints: steps from a
 the package, which is named with each. `python -m mbd derive --check` evaluates all of them with 30 digits at random states and compares
 them with what the kernels return; the tests do the same. Long expressions have names $z_1, z_2, \\dots$ for what occurs in them more than once.
 """
+SHORT = 200
+"""Characters of LaTeX that fit a line of text."""
 TITLES = {"local_frame": "The element of 1998: strains from the chord", "continuum": "Continuum strains of a cable", "rows": "What joints are made of"}
 
 
@@ -37,9 +39,16 @@ def page(word: str, title: str, first: str) -> str:
     parts = [f"# {title}", plain(first), f"From `python -m mbd derive {word}`."]
     for k, step in enumerate(subjects.steps(word), 1):
         parts.append(f"## {k}. {plain(step.title)}")
-        parts += [f"```{{math}}\n{line}\n```" for line in step.latex]
+        parts += equation(step.latex)
         parts.append(f"Source: {plain(step.source)}. Kernel: `{step.kernel}`.")
     return "\n\n".join(parts) + "\n"
+
+
+def equation(lines: list[str]) -> list[str]:
+    """The first line displayed; short definitions run on as text, long ones are displayed too."""
+    short = [line for line in lines[1:] if len(line) < SHORT]
+    shown = [f"```{{math}}\n{line}\n```" for line in lines if line == lines[0] or line not in short]
+    return [*shown, "with " + ", ".join(f"${line}$" for line in short)] if short else shown
 
 
 def _module_line(word: str) -> str:
