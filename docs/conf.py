@@ -26,7 +26,7 @@ myst_enable_extensions = ["colon_fence", "dollarmath"]
 myst_heading_anchors = 3
 suppress_warnings = ["config.cache"]  # functions in sphinx_gallery_conf
 
-autodoc_typehints = "signature"
+autodoc_typehints = "none"  # most are Any: shapes and units are in the text
 autodoc_member_order = "bysource"
 smartquotes = False
 python_use_unqualified_type_names = True

@@ -20,8 +20,7 @@ TUTORIAL = ("ten_minutes.py", "twenty_steps.py")
 PICTURES = Path(tempfile.mkdtemp(prefix="pictures"))
 
 HEADS = {
-    "gallery": "Examples\n========\n\nEach is a page of code that prints a few numbers and writes a picture, and each is a test. Run them from the root of the\n"
-    "repository.\n",
+    "gallery": "Examples\n========\n\nEach is a page of code that prints a few numbers and writes a picture, and each is a test.\n",
     "tutorial": "Tutorials\n=========\n\nBoth run in the tests: what they print here is what they print.\n",
 }
 
@@ -76,6 +75,7 @@ CONFIGURATION = {
     "reset_argv": arguments,
     "download_all_examples": False,
     "show_memory": False,
+    "write_computation_times": False,
     "min_reported_time": 1e9,
     "show_signature": False,
     "abort_on_example_error": True,

@@ -19,7 +19,11 @@ them with what the kernels return; the tests do the same. Long expressions have 
 """
 SHORT = 200
 """Characters of LaTeX that fit a line of text."""
-TITLES = {"local_frame": "The element of 1998: strains from the chord", "continuum": "Continuum strains of a cable", "rows": "What joints are made of"}
+TITLES = {
+    "local_frame": "The element of 1998: strains from the chord",
+    "continuum": "Continuum strains of a cable",
+    "rows": "What joints are made of",
+}
 
 
 def write(folder: Path) -> None:

@@ -19,8 +19,8 @@ import mbd
 # A scene
 # -------
 #
-# A scene has a gravity, whose two components say that it is planar. ``add`` takes a description and returns the item, with the markers at which joints,
-# springs and loads attach. A rod, uniform and slender, hangs on a pin and starts horizontally, at rest.
+# A scene has a gravity, whose two components say that it is planar. ``add`` takes a description and returns the item, with the markers at
+# which joints, springs and loads attach. A rod, uniform and slender, hangs on a pin and starts horizontally, at rest.
 
 scene = mbd.Scene(gravity=(0.0, -9.81))
 rod = scene.add(mbd.RigidBody.rod((0, 0), (1, 0), mass=2.0, name="rod"))
@@ -42,8 +42,9 @@ print(result)
 print(result.audit)
 
 # %%
-# The audit says how well the joints closed and the energy adds up, in each run, without being asked. Values are arrays over ``result.t``, or at times of
-# one's own. At the lowest point the rod's speed follows from energy, :math:`\omega^2 = 3 g / L`, and the pin carries 5/2 of the weight.
+# The audit says how well the joints closed and the energy adds up, in each run, without being asked. Values are arrays over ``result.t``,
+# or at times of one's own. At the lowest point the rod's speed follows from energy, :math:`\omega^2 = 3 g / L`, and the pin carries 5/2 of
+# the weight.
 
 lowest = mbd.simulate(scene, 2.0, rtol=1e-8, events=[mbd.Event(lambda state: state.position(rod.at(0, 0))[0], terminal=True, name="lowest")])
 omega, force = lowest.angular_velocity(rod)[-1], lowest.reaction(pivot)[-1, 1]
@@ -54,7 +55,8 @@ assert np.isclose(omega**2, 3.0 * 9.81, rtol=1e-6) and np.isclose(force, 2.5 * 2
 # A beam that bends
 # -----------------
 #
-# An ``AncfCable`` is a thin elastic beam that may turn and bend as far as it likes: absolute positions and slopes at its nodes. The joint is the same.
+# An ``AncfCable`` is a thin elastic beam that may turn and bend as far as it likes: absolute positions and slopes at its nodes. The joint
+# is the same.
 
 soft = mbd.Scene(gravity=(0.0, -9.81))
 beam = soft.add(mbd.AncfCable((0, 0), (1.2, 0), n_elements=20, E=0.7e6, A=1.8e-3, I=1.215e-8, rho=5540, name="beam"))
@@ -70,8 +72,8 @@ ax.set_title("a soft beam falls")
 # A machine
 # ---------
 #
-# Now a slider-crank: a motor turns the crank, the connecting rod bends, a block slides. ``Motor`` drives an angle, a speed or a torque; here the speed rises
-# smoothly, since a start with a jerk would strike the elastic rod.
+# Now a slider-crank: a motor turns the crank, the connecting rod bends, a block slides. ``Motor`` drives an angle, a speed or a torque;
+# here the speed rises smoothly, since a start with a jerk would strike the elastic rod.
 
 machine = mbd.Scene(gravity=(0.0, 0.0))
 crank = machine.add(mbd.RigidBody.rod((0, 0), (0.15, 0), mass=0.4, name="crank"))
@@ -87,7 +89,8 @@ motor = machine.add(mbd.Motor(crank, machine.ground, speed=speed, name="motor"))
 print(mbd.check(machine))
 
 # %%
-# A function of time that has a kink declares it (``mbd.piecewise``): steps end there, and it costs no accuracy. The motor's torque is its reaction.
+# A function of time that has a kink declares it (``mbd.piecewise``): steps end there, and it costs no accuracy. The motor's torque is its
+# reaction.
 
 run = mbd.simulate(machine, t_end=0.4, rtol=1e-5, t_eval=np.linspace(0.0, 0.4, 401))
 a, b, middle = (run.position(marker) for marker in (link.start, link.end, link.at(0.5)))
@@ -109,7 +112,8 @@ graph.grid(alpha=0.3)
 # When something is wrong
 # -----------------------
 #
-# A scene with mistakes is refused before anything runs, with all complaints at once: which item, what was expected, what was found, how to mend it.
+# A scene with mistakes is refused before anything runs, with all complaints at once: which item, what was expected, what was found, how to
+# mend it.
 
 broken = mbd.Scene(gravity=(0.0, -9.81))
 bad = broken.add(mbd.RigidBody(mass=-1.0, inertia=0.1, position=(0, 0), name="wheel"))
