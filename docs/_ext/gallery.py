@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import os
 import shutil
 import sys
 import tempfile
@@ -60,7 +61,7 @@ def arguments(configuration: Any, variables: dict[str, Any]) -> list[str]:
 def pictures(block: Any, variables: dict[str, Any], configuration: Any) -> str:
     """Moves what the example wrote into the page."""
     shown = []
-    for source, target in zip(sorted(PICTURES.glob("*.png")), variables["image_path_iterator"], strict=False):
+    for source, target in zip(sorted(PICTURES.glob("*.png"), key=os.path.getmtime), variables["image_path_iterator"], strict=False):
         shutil.move(source, target)
         shown.append(target)
     return figure_rst(shown, configuration["src_dir"])
@@ -74,6 +75,7 @@ CONFIGURATION = {
     "image_scrapers": ("matplotlib", pictures),
     "reset_argv": arguments,
     "download_all_examples": False,
+    "capture_repr": (),
     "show_memory": False,
     "write_computation_times": False,
     "min_reported_time": 1e9,

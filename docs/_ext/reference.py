@@ -12,8 +12,10 @@ import pages
 import mbd
 
 README = Path(__file__).resolve().parents[2] / "README.md"
-GAP = re.compile(r"(?<=\S) {2,}(?=\S)")
-REST = "what they return and raise"
+GAP = re.compile(r"(?<=[^\s;.]) {2,}(?=\S)")
+"""Between a name and what it means; after a semicolon or full stop it is only a wide space."""
+REST = "scenes, results and messages"
+"""The group of all names that the table does not have."""
 
 
 def groups() -> dict[str, list[str]]:
@@ -52,7 +54,7 @@ def directive(name: str) -> str:
 
 
 def _file(label: str) -> str:
-    return label.replace(" ", "_")
+    return label.replace(",", "").replace(" ", "_")
 
 
 def process(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
