@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 import mbd
-from mbd.verify_outputs import outputs_of
+from mbd.verify_outputs import Output, outputs_of
+from mbd.verify_runs import sampled
 
 from . import report
 from .tables import table
@@ -30,46 +31,57 @@ PRICE = 3.5
 """What ``verify`` may take, in units of one run."""
 TIMES = 60
 """Instants of the result at which true errors are taken."""
-FEW = 0.3
-"""Runs shorter than this [s] are timed again, and the fastest counts."""
+REPEATED, FEW = (3, 7), 1.5
+"""Runs are timed so often at least and at most; more than at least only within so many seconds."""
 
 Entry = dict[str, Any]
 
 
-def reference(case: Case, times: np.ndarray) -> tuple[dict[str, np.ndarray], dict[str, float]]:
-    """The values [k, m] of every output, and what they are known to: closed forms to rounding, runs to the difference between two of them."""
-    tight = 1e-11 if case.elastic else 1e-12
-    values = []
-    for solver in (mbd.Radau(7), mbd.Radau(5) if case.elastic else mbd.DormandPrince()):
-        scene, outputs = case.build()
-        run = mbd.simulate(scene, case.t_end, rtol=tight, solver=solver, t_eval=times)
-        values.append({output.name: output.values(run) for output in outputs_of(scene, outputs)})
-    known = {name: float(np.max(np.linalg.norm(values[0][name] - values[1][name], axis=1))) for name in values[0]}
-    for name, exact in case.exact.items():
-        values[0][name], known[name] = exact(times), 1e-14 * float(np.max(np.abs(exact(times))))
-    return values[0], known
+class Reference:
+    """The values of a case's outputs, and what they are known to: closed forms to rounding, runs to the difference between two of them."""
+
+    def __init__(self, case: Case):
+        self.case = case
+        solvers = (mbd.Radau(7), mbd.Radau(5) if case.elastic else mbd.DormandPrince())
+        self.runs = [self._run(solver) for solver in solvers]
+
+    def _run(self, solver: Any) -> tuple[list[Output], mbd.Result]:
+        scene, outputs = self.case.build()
+        return outputs_of(scene, outputs), mbd.simulate(scene, self.case.t_end, rtol=1e-11 if self.case.elastic else 1e-12, solver=solver)
+
+    def at(self, times: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, float]]:
+        """Those times at which they are known, the values [k, m], and their errors."""
+        times, runs = sampled([run for _, run in self.runs], times)
+        one, other = ({output.name: output.values(run) for output in outputs} for (outputs, _), run in zip(self.runs, runs))
+        known = {name: float(np.max(np.linalg.norm(one[name] - other[name], axis=1))) for name in one}
+        for name, exact in self.case.exact.items():
+            one[name], known[name] = exact(times), 1e-14 * float(np.max(np.abs(exact(times))))
+        return times, one, known
 
 
 def measure(case: Case) -> list[Entry]:
     """A row for every output at every setting."""
     entries: list[Entry] = []
+    reference = Reference(case)
     for solver in case.solvers:
         for rtol in case.rtols:
-            entries += _rows(case, rtol, solver)
-            print(*(f"{case.name}: {row}" for row in entries[-3:]), sep="\n", flush=True)
+            rows = _rows(case, reference, rtol, solver)
+            print(*(f"{case.name}: {_cells(row)}" for row in rows), sep="\n", flush=True)
+            entries += rows
     return entries
 
 
-def _rows(case: Case, rtol: float, solver: Any) -> list[Entry]:
+def _rows(case: Case, reference: Reference, rtol: float, solver: Any) -> list[Entry]:
     scene, outputs = case.build()
     price, found = cost(scene, outputs, case.t_end, rtol, solver)
-    chosen = np.unique(np.round(np.linspace(0, found.t.size - 1, TIMES)).astype(int))
-    exact, known = reference(case, found.t[chosen])
+    steps = found.t[np.unique(np.round(np.linspace(0, found.t.size - 1, TIMES)).astype(int))]
+    times, exact, known = reference.at(steps)
+    kept, (result,) = np.isin(found.t, times), sampled([found.result], times)[1]
     kinds = {output.name: output for output in outputs_of(scene, outputs)}
     rows = []
     for row in found.rows:
-        error = np.linalg.norm(kinds[row.output].values(found.result)[chosen] - exact[row.output], axis=1)
-        shares = error / found.errors[row.output][chosen]
+        error = np.linalg.norm(kinds[row.output].values(result) - exact[row.output], axis=1)
+        shares = error / found.errors[row.output][kept]
         rows.append({
             "setting": f"rtol {rtol:.0e}" if solver is None else repr(solver), "output": row.output, "unit": row.unit, "verdict": row.verdict,
             "true": float(np.max(error)), "estimate": row.worst, "known": known[row.output], "order": row.order, "anywhere": float(np.max(shares)),
@@ -78,11 +90,11 @@ def _rows(case: Case, rtol: float, solver: Any) -> list[Entry]:
 
 
 def cost(scene: mbd.Scene, outputs: dict[str, Any], t_end: float, rtol: float, solver: Any) -> tuple[float, mbd.Verification]:
-    """Processor time of ``verify`` over that of one run with the same outputs read at its steps, fastest of some where they are short."""
+    """Processor time of ``verify`` over that of one run with the same outputs read at its steps, each the fastest of several."""
     single, whole, started = [], [], time.perf_counter()
     watched = outputs_of(scene, outputs)
     scene.parts()
-    while not whole or (time.perf_counter() - started < FEW * 5 and len(whole) < 5):
+    while len(whole) < REPEATED[0] or (time.perf_counter() - started < FEW and len(whole) < REPEATED[1]):
         clock = time.process_time()
         run = mbd.simulate(scene, t_end, rtol=rtol, solver=solver)
         for output in watched:

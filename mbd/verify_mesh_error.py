@@ -61,7 +61,10 @@ def other_meshes(scene: Scene, outputs: Mapping[str, Any], build: Build | None, 
 
 def _made(scene: Scene, outputs: Mapping[str, Any], build: Build | None, level: int) -> tuple[Scene, Mapping[str, Any]]:
     if build is not None:
-        return build(2.0**level)
+        other, wanted = build(2.0**level)
+        if set(wanted) != set(outputs):
+            raise ValueError(f"meshes: expected a function that returns a scene and outputs named {sorted(outputs)}, found {sorted(wanted)}")
+        return other, wanted
     other = remeshed(scene, level)
     return other, carried_outputs(outputs, other)
 

@@ -27,10 +27,10 @@ from .state import State
 if TYPE_CHECKING:
     from .scene import Scene
 
-LOOSER, TIGHTER, LOOSEST, TIGHTEST = 100.0, 10.0, 1e-2, 1e-14
+LOOSER, TIGHTER, LOOSEST, TIGHTEST = 100.0, 10.0, 1e-3, 1e-14
 APART = 30.0
 """The coarsest run's tolerance is at least so many times rtol, or there is none."""
-SPENT = 3.0
+SPENT = 2.85
 """Work of all runs over that of the one asked for, by forecast; comparing them comes on top."""
 SHARE, FEWEST, MOST = 0.1, 6, 200
 """Runs are compared at this share of the finest one's steps, within these numbers."""
@@ -109,15 +109,16 @@ class Compared(NamedTuple):
 
 def compared(ladder: Ladder, others: Sequence[Result]) -> Compared:
     """Times at which one of the runs has no values (a singular position between steps) are left out."""
-    times, (middle, fine, *more) = _sampled([*ladder.runs, *others], ladder.times())
+    times, (middle, fine, *more) = sampled([*ladder.runs, *others], ladder.times())
     seldom = np.arange(times.size)[::-EVERY][::-1]
     if ladder.coarse is None:
         return Compared(times, None, seldom, middle, fine, more)
-    few, (coarse,) = _sampled([ladder.coarse], times[seldom])
+    few, (coarse,) = sampled([ladder.coarse], times[seldom])
     return Compared(times, coarse, np.searchsorted(times, few), middle, fine, more)
 
 
-def _sampled(runs: Sequence[Result], times: Array) -> tuple[Array, list[Result]]:
+def sampled(runs: Sequence[Result], times: Array) -> tuple[Array, list[Result]]:
+    """Runs as results at those of the times at which all of them have values."""
     motions = [_motion(run, times) for run in runs]
     good = np.all([np.isfinite(q).all(axis=1) for q, _ in motions], axis=0)
     return times[good], [
