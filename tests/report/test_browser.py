@@ -18,7 +18,7 @@ import pytest
 
 from .scenes import heavy_top, main_job, slider_crank
 
-webdriver = pytest.importorskip("selenium.webdriver", reason='selenium is not installed: pip install "mbd[browser]"')
+webdriver = pytest.importorskip("selenium.webdriver", reason='selenium is not installed: pip install "mbd[test]"')
 
 FLAGS = ("headless=new", "no-sandbox", "disable-gpu", "disable-background-networking", "disable-component-update", "disable-sync", "no-first-run")
 DESKTOP, PHONE = (1280, 900), (390, 844)
