@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+ROUNDING = 1e-14
+"""Inertia of a director below this share of the whole is what rounding left of a flat body's or a rod's, which is none."""
+
 
 @dataclass(frozen=True, eq=False)
 class RigidBody:
@@ -149,7 +152,8 @@ class RigidBody:
         if self.position.size == 2:
             return self.inertia.reshape(1, 1)
         j = np.diag(self.inertia) if self.inertia.ndim == 1 else self.inertia
-        return 0.5 * np.trace(j) * np.eye(3) - j
+        mass = 0.5 * np.trace(j) * np.eye(3) - j
+        return np.where(np.abs(mass) > ROUNDING * np.trace(j), mass, 0.0)
 
     def place(self, site: Site) -> Body:
         axes, mass = self.directors(), self.director_mass()

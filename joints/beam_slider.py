@@ -35,7 +35,7 @@ class BeamSlider(Joint):
     beam: Beam
     name: str | None = field(default=None, kw_only=True)
 
-    kind = "beam slider"
+    kind, unit = "beam slider", "m"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "point", as_marker(self.point))

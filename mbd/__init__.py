@@ -42,7 +42,7 @@ if TYPE_CHECKING:
         Torque,
         TorsionSpring,
     )
-    from .errors import SceneError, SceneWarning, SimulationError
+    from .errors import Interrupted, SceneError, SceneWarning, SimulationError
     from .event import Event
     from .files import read_scene, write_scene
     from .functions import Expression, Ramp, Sine, SmoothStep, Spline, Table
@@ -76,6 +76,7 @@ if TYPE_CHECKING:
     from .paths import Bifurcation, Branch
     from .precision import WorkPrecision, work_precision
     from .result import Result
+    from .resumption import resume
     from .run import simulate
     from .scene import Scene
     from .signal import piecewise
@@ -83,7 +84,10 @@ if TYPE_CHECKING:
     from .state import State
     from .statics import equilibrium
     from .structure import check
+    from .sweeps.sweep import sweep
+    from .sweeps.table import Sweep
     from .target import Motion
+    from .verification import Verification, verify
     from .vibration import Modes, modes
 
 _HOMES = {
@@ -129,7 +133,7 @@ _HOMES = {
         "Wheel",
     ),
     "solvers": ("Automatic", "DormandPrince", "Gauss", "GeneralizedAlpha", "Radau"),
-    "errors": ("SceneError", "SceneWarning", "SimulationError"),
+    "errors": ("Interrupted", "SceneError", "SceneWarning", "SimulationError"),
     "event": ("Event",),
     "functions": ("Expression", "Ramp", "Sine", "SmoothStep", "Spline", "Table"),
     "files": ("read_scene", "write_scene"),
@@ -140,6 +144,7 @@ _HOMES = {
     "scene": ("Scene",),
     "assembly": ("assemble",),
     "derivations.scene_equations": ("equations",),
+    "resumption": ("resume",),
     "run": ("simulate",),
     "balance": ("Equilibrium",),
     "branches": ("continuation",),
@@ -152,7 +157,10 @@ _HOMES = {
     "precision": ("WorkPrecision", "work_precision"),
     "target": ("Motion",),
     "linearisation": ("Linearization", "linearize"),
+    "verification": ("Verification", "verify"),
     "vibration": ("Modes", "modes"),
+    "sweeps.sweep": ("sweep",),
+    "sweeps.table": ("Sweep",),
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names}
 
@@ -185,6 +193,7 @@ __all__ = [
     "Gear",
     "GeneralizedAlpha",
     "GeometricallyExactBeam",
+    "Interrupted",
     "KnifeEdge",
     "Length",
     "Linearization",
@@ -215,11 +224,13 @@ __all__ = [
     "State",
     "Stop",
     "Structure",
+    "Sweep",
     "Table",
     "Torque",
     "TorsionSpring",
     "Universal",
     "UserMeasure",
+    "Verification",
     "Wheel",
     "WorkPrecision",
     "__version__",
@@ -234,7 +245,10 @@ __all__ = [
     "modes",
     "piecewise",
     "read_scene",
+    "resume",
     "simulate",
+    "sweep",
+    "verify",
     "work_precision",
     "write_scene",
 ]

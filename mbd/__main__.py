@@ -30,9 +30,10 @@ def main(words: Sequence[str] | None = None) -> int:
         try:
             return options.run(options)
         except (SceneError, SimulationError, OSError, ImportError) as error:
-            return _told(error)
-        except KeyboardInterrupt:
-            print("mbd: interrupted", file=sys.stderr)
+            _tell(error)
+            return STOPPED if isinstance(error, SimulationError) else REFUSED
+        except KeyboardInterrupt as error:
+            _tell(error)
             return INTERRUPTED
 
 
@@ -50,15 +51,14 @@ def _parser() -> argparse.ArgumentParser:
 EPILOG = "Exit codes: 0 done; 1 stopped early, or something was found; 2 nothing was run; 130 stopped from the keyboard."
 
 
-def _told(error: Exception) -> int:
-    """What is wrong, on standard error, without a traceback; and the exit code."""
-    if isinstance(error, Interrupted):
-        print(f"mbd: stopped from the keyboard at t = {error.time:g} s", file=sys.stderr)
-        return INTERRUPTED
-    what = f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else str(error)
+def _tell(error: BaseException) -> None:
+    """What is wrong, on standard error, without a traceback."""
+    if isinstance(error, KeyboardInterrupt):
+        what = f"stopped from the keyboard at t = {error.time:g} s" if isinstance(error, Interrupted) else "stopped from the keyboard"
+    else:
+        what = f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else str(error)
     for line in what.splitlines():
         print(f"mbd: {line}", file=sys.stderr)
-    return STOPPED if isinstance(error, SimulationError) else REFUSED
 
 
 def _shown(message: Any, category: type[Warning], *place: Any, **more: Any) -> None:

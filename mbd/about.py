@@ -13,6 +13,7 @@ from .affine import Array
 from .assembly import consistent, prepare
 from .balance import Equilibrium
 from .errors import SceneError, SceneWarning
+from .failures import undetermined
 from .state import State
 from .system import System
 
@@ -61,9 +62,14 @@ class About:
 
     def _released(self) -> Array:
         """The multipliers at the release from rest; warns unless nothing is set in motion."""
+        from .solvers.formats import Singular
         from .solvers.start import mass_factor
 
-        system, factor = self.system, mass_factor(self.system, self.linear, self.q)
+        system = self.system
+        try:
+            factor = mass_factor(system, self.linear, self.q)
+        except Singular as trouble:
+            raise undetermined(system, self.linear, self.q, self.t, trouble) from trouble
         load = np.broadcast_to(system.load(self.q, np.zeros(system.n), self.inputs), system.n)
         elastic = -system.strains(self.q).pull(self.stress) if system.n_stresses else np.zeros(system.n)
         a, multipliers = factor.solve(np.stack((load, elastic)), np.zeros((2, system.m)))

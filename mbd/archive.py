@@ -1,9 +1,9 @@
 """Results in files: ``result.save("run.npz")`` and ``mbd.load("run.npz")``.
 
-An uncompressed .npz without pickle: ``head``, a JSON text in bytes, holds the descriptions of the scene's items, gravity, solver and
-statistics; every other member is a float64 array of the trajectory; where parts of the scene were integrated separately, the arrays of all
-parts in one row. Loading builds the scene anew of the same descriptions. Nothing in a file is executed, and nothing much larger than the file
-is allocated for it.
+An uncompressed .npz without pickle: ``head``, a JSON text in bytes, holds the descriptions of the scene's items, gravity, solvers and
+statistics; every other member is a float64 array: of the trajectory (where parts of the scene were integrated separately, those of all parts
+in one row), of the start as it was given, and of what going on needs (``forks.py``). Loading builds the scene anew of the same descriptions.
+Nothing in a file is executed, and nothing much larger than the file is allocated for it.
 
 Functions of t are stored where they are of ``mbd.functions`` (``mbd.Expression``, ``mbd.Sine``, ...). Others cannot be: what needs them
 (accelerations, reactions, values between the steps) raises after loading, by name; everything else is answered.
@@ -11,16 +11,18 @@ Functions of t are stored where they are of ``mbd.functions`` (``mbd.Expression`
 
 from __future__ import annotations
 
+import glob
 import io
 import json
 import math
 import os
 import secrets
+import time
 import warnings
 import zipfile
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -29,19 +31,23 @@ import numpy as np
 
 from . import __version__, solvers
 from .affine import Array
-from .assembly import Assembly, Correction, prepare
+from .assembly import Assembly, Correction, prepared
 from .descriptions import described, functions, rebuilt
 from .errors import SceneWarning, SimulationError
 from .event import Events, Times
+from .forks import Row, read, written
 from .parts import Part
+from .progress import Plan, Progress, Stage
 from .result import Result
 from .solvers.protocol import State as SolverState
 from .starts import together
 from .state import State
-from .stored import ARRAYS, CHOSEN, EVENTS, STATE, check_shapes, divided, gathered
+from .stored import ARRAYS, CHOSEN, EVENTS, FORK, START, STATE, WANTED, check_shapes, divided, gathered
 from .trajectory import Trajectory, joined
 
-FORMAT, VERSION = "mbd result", 1
+FORMAT, VERSION = "mbd result", 2
+STALE = 3600.0
+"""Age [s] after which what an interrupted write left is removed by the next one to the same place."""
 
 
 def save(result: Result, path: str | os.PathLike[str]) -> None:
@@ -49,13 +55,25 @@ def save(result: Result, path: str | os.PathLike[str]) -> None:
 
     Warns, by name, of items whose functions cannot be stored. Raises ValueError for a scene that has grown since the run.
     """
+    missing = write(result, path)
+    if missing:
+        names = ", ".join(map(repr, missing))
+        warnings.warn(f"functions of t are not stored: a loaded result refuses what needs those of {names}", SceneWarning, stacklevel=3)
+
+
+def write(result: Result, path: str | os.PathLike[str]) -> list[str]:
+    """As ``save``; returns the names of the items whose functions are not stored."""
     if result.scene.build() is not result.system:
         raise ValueError("save: expected the scene as it was in this run, found items added since; save a result before adding to its scene")
-    head = _head(result)
-    if head["functions"]:
-        names = ", ".join(map(repr, head["functions"]))
-        warnings.warn(f"functions of t are not stored: a loaded result refuses what needs those of {names}", SceneWarning, stacklevel=3)
-    arrays = gathered(result.trajectory.pieces(), bool(head["parts"]))
+    progress = result.progress
+    assert progress is not None
+    forks = [written(stage) for stage in progress.stages]
+    head = _head(result, progress, [fork for fork, _ in forks])
+    arrays = gathered([stage.trajectory for stage in progress.stages], head["divided"])
+    arrays |= dict(zip(START, (progress.plan.start.q, progress.plan.start.v)))
+    arrays[FORK] = np.concatenate([np.zeros(0), *(array.ravel() for _, own in forks for array in own)])
+    if progress.plan.t_eval is not None:
+        arrays[WANTED] = progress.plan.t_eval
     if result.chosen:
         arrays |= dict(zip(CHOSEN, result.chosen))
     if result.events:
@@ -64,6 +82,7 @@ def save(result: Result, path: str | os.PathLike[str]) -> None:
     rows = {name: np.ascontiguousarray(array, dtype="<f8") for name, array in arrays.items()}
     with replacing(Path(path).resolve()) as file:
         np.savez(file, allow_pickle=False, head=np.frombuffer(text.encode(), dtype=np.uint8), **rows)
+    return list(head["functions"])
 
 
 def _plain(value: Any) -> Any:
@@ -74,8 +93,8 @@ def _solver(piece: Trajectory) -> dict[str, Any]:
     return {"class": type(piece.solver).__name__, "fields": asdict(piece.solver)}
 
 
-def _head(result: Result) -> dict[str, Any]:
-    items, pieces = described(result.scene), result.trajectory.pieces()
+def _head(result: Result, progress: Progress, forks: list[Any]) -> dict[str, Any]:
+    items, plan, stages = described(result.scene), progress.plan, progress.stages
     return {
         "format": FORMAT,
         "version": VERSION,
@@ -84,9 +103,12 @@ def _head(result: Result) -> dict[str, Any]:
         "items": items,
         "functions": functions(items),
         "coordinates": result.scene.coordinates(),
-        "solver": _solver(pieces[0]),
-        "parts": [{"steps": len(each.t), "solver": _solver(each)} for each in pieces] if pieces[0].part.system is not result.system else [],
-        "rtol": result.stats["rtol"],
+        "divided": stages[0].trajectory.part.system is not result.system,
+        "parts": [
+            {"steps": len(stage.trajectory.t), "solver": _solver(stage.trajectory), "reason": stage.reason, "softened": stage.softened, "fork": fork}
+            for stage, fork in zip(stages, forks)
+        ],
+        "plan": {"t": plan.start.t, "t_end": plan.t_end, "rtol": plan.rtol, "events": list(plan.events)},
         "stats": result.stats,
         "events": {name: len(times.t) for name, times in result.events.items()},
         "corrections": [asdict(correction) for correction in result.assembly.corrections],
@@ -97,6 +119,10 @@ def _head(result: Result) -> dict[str, Any]:
 @contextmanager
 def replacing(path: Path) -> Iterator[io.BufferedWriter]:
     """A file that takes the place of the one at the path when it is complete: whoever is killed leaves the old one or the new one."""
+    for left in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
+        with suppress(OSError):
+            if time.time() - left.stat().st_mtime > STALE:
+                left.unlink()
     part = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     try:
         with open(part, "xb") as file:
@@ -113,9 +139,9 @@ def load(path: str | os.PathLike[str]) -> Result:
     try:
         arrays = _read(Path(path))
         head = _checked_head(arrays)
-        missing = [name for name in ARRAYS if name not in arrays]
+        missing = [name for name in (*ARRAYS, *START, FORK) if name not in arrays]
         if missing:
-            raise ValueError(f"expected arrays {', '.join(ARRAYS)}, found none named {', '.join(missing)}")
+            raise ValueError(f"expected arrays {', '.join((*ARRAYS, *START, FORK))}, found none named {', '.join(missing)}")
         return _restored(head, arrays)
     except (LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
         raise ValueError(f"{path}: expected a result that result.save wrote, found a damaged one ({type(error).__name__}: {error})") from error
@@ -134,7 +160,7 @@ def _read(path: Path) -> dict[str, Array]:
                 members = archive.infolist()
                 if sum(member.file_size for member in members) > size:
                     raise ValueError("expected uncompressed arrays, found ones larger than the file")
-                known = {f"{name}.npy": name for name in ("head", *ARRAYS, *CHOSEN, *EVENTS)}
+                known = {f"{name}.npy": name for name in ("head", *ARRAYS, *START, FORK, WANTED, *CHOSEN, *EVENTS)}
                 return {known[m.filename]: _array(archive.read(m), m.filename) for m in members if m.filename in known}
         except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError) as error:
             raise ValueError(f"expected a whole file, found a truncated or damaged one ({error})") from error
@@ -167,23 +193,44 @@ def _checked_head(arrays: dict[str, Array]) -> dict[str, Any]:
 
 
 def _restored(head: dict[str, Any], arrays: dict[str, Array]) -> Result:
-    told = head.get("parts", [])
-    n = len(head["coordinates"]) if told else arrays["q"].shape[-1]
+    told, apart = head["parts"], bool(head["divided"])
+    n = len(head["coordinates"]) if apart else arrays["q"].shape[-1]
     scene = rebuilt(head["gravity"], head["items"], n, max(n, arrays["stress"].shape[-1]))
     system = scene.build()
     if scene.coordinates() != head["coordinates"]:
         raise ValueError(f"expected the coordinates of the run, found others; mbd {head['mbd']} wrote the file, this is {__version__}")
-    parts = scene.parts() if told else [Part.whole(scene)]
-    if told and len(told) != len(parts):
+    parts = scene.parts() if apart else [Part.whole(scene)]
+    if len(told) != len(parts):
         raise ValueError(f"parts: expected {len(parts)} of this scene, found {len(told)}")
-    pieces = divided(arrays, parts, [part["steps"] for part in told])
-    check_shapes({name: array for name, array in arrays.items() if name not in ("head", *ARRAYS)}, system)
-    linears = [prepare(part.system, own["q"][0])[0] for part, own in zip(parts, pieces)]
-    assembly = _assembly(head, parts, pieces, linears, system.n)
-    chosen_solvers = [_rebuilt_solver(part["solver"]) for part in told or [head]]
-    steps = [_trajectory(*each, float(head["rtol"])) for each in zip(parts, pieces, chosen_solvers, linears)]
+    pieces = divided(arrays, parts, [part["steps"] for part in told] if apart else [])
+    check_shapes({name: array for name, array in arrays.items() if name not in ("head", *ARRAYS, FORK)}, system)
+    plan, events = _plan(head["plan"], arrays), _events(head["events"], arrays)
+    stages = _stages(told, parts, pieces, plan, arrays[FORK])
+    assembly = _assembly(head, parts, [stage.trajectory for stage in stages], system.n)
     chosen = (arrays["chosen_t"], arrays["chosen_q"], arrays["chosen_v"]) if CHOSEN[0] in arrays else None
-    return Result(scene, system, joined(steps, system.n), head["stats"], assembly, chosen, _events(head.get("events", {}), arrays))
+    trajectory = joined([stage.trajectory for stage in stages], system.n)
+    return Result(scene, system, trajectory, dict(head["stats"]), assembly, chosen, events, Progress(plan, tuple(stages)))
+
+
+def _plan(data: dict[str, Any], arrays: dict[str, Array]) -> Plan:
+    t, t_end, rtol = (float(data[name]) for name in ("t", "t_end", "rtol"))
+    if not (math.isfinite(t + t_end) and 0.0 < rtol < 1.0):
+        raise ValueError(f"plan: expected finite times and a tolerance, found {t}, {t_end} and {rtol}")
+    start = State(arrays[START[0]], arrays[START[1]], t)
+    return Plan(start, t_end, rtol, arrays.get(WANTED), dict.fromkeys(map(str, data["events"])))
+
+
+def _stages(told: list[Any], parts: list[Part], pieces: list[dict[str, Array]], plan: Plan, forks: Array) -> list[Stage]:
+    row, stages = Row(forks), []
+    for data, part, own in zip(told, parts, pieces):
+        mark = read(data["fork"], row, part)
+        if mark and not (mark.steps < len(own["t"]) and mark.state.t == own["t"][mark.steps]):
+            raise ValueError("fork: expected one of the steps, found another time")
+        linear = prepared(part.system, plan.start.q[part.columns], bool(data["softened"]), own["q"][0])
+        steps = _trajectory(part, own, _rebuilt_solver(data["solver"]), linear, plan.rtol)
+        stages.append(Stage(steps, mark, bool(data["softened"]), str(data["reason"])))
+    row.end()
+    return stages
 
 
 def _rebuilt_solver(data: dict[str, Any]) -> Any:
@@ -197,10 +244,10 @@ def _trajectory(part: Part, own: dict[str, Array], solver: Any, linear: Any, rto
     return Trajectory(part, own["t"], own["q"], own["v"], own["work"], states, solver, solver.integrator(rtol), linear)
 
 
-def _assembly(head: dict[str, Any], parts: list[Part], pieces: list[dict[str, Array]], linears: list[Any], n: int) -> Assembly:
+def _assembly(head: dict[str, Any], parts: list[Part], pieces: list[Trajectory], n: int) -> Assembly:
     """The start as it was found, with linear algebra prepared anew."""
-    begin = [State(own["q"][0], own["v"][0], float(own["t"][0])) for own in pieces]
-    whole = together([Assembly(state, (), (), linear) for state, linear in zip(begin, linears)], parts, n)
+    begin = [Assembly(State(own.q[0], own.v[0], float(own.t[0])), (), (), own.linear) for own in pieces]
+    whole = together(begin, parts, n)
     corrections = tuple(Correction(**correction) for correction in head["corrections"])
     return replace(whole, corrections=corrections, redundant=tuple(head["redundant"]))
 

@@ -104,6 +104,17 @@ def prepare(system: System, q: Array) -> tuple[Linear, tuple[str, ...]]:
     return linear, _redundant(system, linear, q)
 
 
+def prepared(system: System, q: Array, softened: bool, origin: Array) -> Linear:
+    """The linear algebra that a run had which was assembled near q, at ``origin``, with or without redundant joints."""
+    from .solvers.linear import Linear
+
+    linear = Linear(system, q)
+    if softened:
+        linear.soften()
+    linear.origin = origin
+    return linear
+
+
 def _singular(system: System, linear: Linear, q: Array) -> bool:
     from .solvers.formats import Singular
     from .solvers.start import mass_factor

@@ -8,12 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .affine import Array
+from .displayed import Displayed
 from .system import System
 from .trajectory import Joined, Trajectory
 
 
 @dataclass(frozen=True)
-class Audit:
+class Audit(Displayed):
     """What a run did to the quantities that should stay: largest values over all accepted steps.
 
     position_drift   |g| (of drives: from what is asked) as a length, relative to the scene's length
@@ -21,6 +23,7 @@ class Audit:
     energy_error     |energy - energy at the start - work of loads, drives and dampers| [J]
     energy_scale     the largest energy exchanged [J]
     energy_level     the largest energy of any kind [J]
+    still            nothing moved farther than rounding: energies, and their balance, are rounding too
     work             of loads, drives and dampers over the run [J]
     parts            of a scene of several independent parts the audits of each, whose energies are summed above; else empty
     """
@@ -30,6 +33,7 @@ class Audit:
     energy_error: float
     energy_scale: float
     energy_level: float
+    still: bool
     work: float
     parts: tuple[Audit, ...] = field(default=(), repr=False)
 
@@ -38,7 +42,7 @@ class Audit:
         """Whether the energy adds up at all: an imbalance of a fifth, above rounding, means an unstable or far too coarse run."""
         if self.parts:
             return all(part.balanced for part in self.parts)
-        return self.energy_error <= max(0.2 * self.energy_scale, 1e-9 * self.energy_level)
+        return self.still or self.energy_error <= max(0.2 * self.energy_scale, 1e-9 * self.energy_level)
 
     def __str__(self) -> str:
         relative = f" ({self.energy_error / self.energy_scale:.1e} of {self.energy_scale:.4g} J exchanged)" if self.energy_scale > 0.0 else ""
@@ -47,6 +51,15 @@ class Audit:
             f"joints: positions within {self.position_drift:.1e} of the length, velocities within {self.velocity_drift:.1e} of the speed\n"
             f"energy: balanced within {self.energy_error:.1e} J{relative}{work}"
         )
+
+
+class History(NamedTuple):
+    """Of one part, at its accepted steps t [k] [s]: what ``Audit`` tells the largest of; imbalance [J]."""
+
+    t: Array
+    position: Array
+    velocity: Array
+    imbalance: Array
 
 
 class _Found(NamedTuple):
@@ -58,6 +71,7 @@ class _Found(NamedTuple):
     error: float
     exchanged: float
     level: float
+    still: bool
     work: float
 
 
@@ -71,20 +85,59 @@ def audit(system: System, trajectory: Trajectory | Joined) -> Audit:
 def _summed(found: Sequence[_Found], length: float, parts: tuple[Audit, ...] = ()) -> Audit:
     gap, slip, speed = (max(getattr(one, name) for one in found) for name in ("gap", "slip", "speed"))
     error, exchanged, level, work = (sum(getattr(one, name) for one in found) for name in ("error", "exchanged", "level", "work"))
-    return Audit(gap / length, slip / max(speed, 1e-300), error, exchanged, level, work, parts)
+    still = all(one.still for one in found)
+    return Audit(gap / length, slip / max(speed, 1e-300), error, exchanged, level, still, work, parts)
+
+
+def histories(system: System, trajectory: Trajectory | Joined) -> list[History]:
+    """The drift and the balance of each part over its steps, in the units of the audit."""
+    pieces = trajectory.pieces()
+    speed = max(_speed(each) for each in pieces) or 1e-300
+    told = []
+    for each in pieces:
+        gap, slip = _open(each)
+        told.append(History(each.t, gap / system.length, slip / speed, np.abs(_imbalance(each, _energies(each)))))
+    return told
+
+
+def _open(trajectory: Trajectory) -> tuple[Array, Array]:
+    """[k]: the largest gap of a joint [m], and how fast one opens [m/s]."""
+    system, reach = trajectory.part.system, trajectory.linear.reach
+    joints, goal = system.joints.at(trajectory.q), system.inputs(trajectory.t).targets
+    gaps, slips = joints.value - goal.value, joints.push(trajectory.v) - goal.rate
+    gap, slip = (np.max(np.abs(each) * reach, axis=-1, initial=0.0) for each in (gaps, slips))
+    return gap, slip
+
+
+def _speed(trajectory: Trajectory) -> float:
+    return float(np.max(np.abs(trajectory.v) * trajectory.part.system.levers, initial=0.0))
+
+
+def _energies(trajectory: Trajectory) -> tuple[Array, Array, Array]:
+    system = trajectory.part.system
+    return system.kinetic(trajectory.v), system.elastic(trajectory.q), system.potential(trajectory.q)
+
+
+def _imbalance(trajectory: Trajectory, energies: tuple[Array, Array, Array]) -> Array:
+    balance = energies[0] + energies[1] + energies[2] - trajectory.work
+    return balance - balance[0]
+
+
+def _still(trajectory: Trajectory) -> bool:
+    system, q = trajectory.part.system, trajectory.q
+    rounding = 1e-11 * system.length + 1e-14 * float(np.max(np.abs(q) * system.levers))
+    return bool(np.max(np.abs(q - q[0]) * system.levers) <= rounding)
 
 
 def _found(trajectory: Trajectory) -> _Found:
-    system, q, v = trajectory.part.system, trajectory.q, trajectory.v
-    joints, reach, goal = system.joints.at(q), trajectory.linear.reach, system.inputs(trajectory.t).targets
-    kinetic, elastic, potential = system.kinetic(v), system.elastic(q), system.potential(q)
-    balance = kinetic + elastic + potential - trajectory.work
+    (gap, slip), energies = _open(trajectory), _energies(trajectory)
     return _Found(
-        gap=float(np.max(np.abs(joints.value - goal.value) * reach, initial=0.0)),
-        slip=float(np.max(np.abs(joints.push(v) - goal.rate) * reach, initial=0.0)),
-        speed=float(np.max(np.abs(v) * system.levers, initial=0.0)),
-        error=float(np.max(np.abs(balance - balance[0]))),
-        exchanged=max(float(np.ptp(part)) for part in (kinetic, elastic, potential)),
-        level=max(float(np.max(np.abs(part))) for part in (kinetic, elastic, potential)),
+        gap=float(gap.max()),
+        slip=float(slip.max()),
+        speed=_speed(trajectory),
+        error=float(np.max(np.abs(_imbalance(trajectory, energies)))),
+        exchanged=max(float(np.ptp(part)) for part in energies),
+        level=max(float(np.max(np.abs(part))) for part in energies),
+        still=_still(trajectory),
         work=float(trajectory.work[-1]),
     )

@@ -11,7 +11,7 @@ from .affine import Array
 from .assembly import prepare
 from .balance import Equilibrium
 from .errors import SceneError, SimulationError
-from .event import Event, named
+from .event import Event, event_value, named
 from .loading import Loading, dead_part
 from .paths import Bifurcation, Branch, on_path
 from .state import State
@@ -113,9 +113,13 @@ class _Follow:
         path = Loading.whole(self.system, self.t, self.q, stress, self.names, self.dead)
         out, _ = balance(self.problem._replace(path=path), Point(0.0, self.q, stress, np.zeros(self.system.m)))
         if out.failure:
-            item = self.system.owners[out.worst][0] if out.worst >= 0 else None
-            advice = "Hold what is loose, or start from another state"
-            raise SimulationError(f"no equilibrium to start from: {out.failure}", time=self.t, item=item, advice=advice)
+            what, item = f"no equilibrium to start from: {out.failure}", self.system.owners[max(out.worst, 0)][0]
+            advice = (
+                f"hold what is loose: can {item!r} move without resistance while the load is zero?",
+                "start from a balance: start=mbd.equilibrium(scene without this load).state",
+                "let the other loads grow as well: load=None, or a list of them",
+            )
+            raise SimulationError(what, time=self.t, item=item, advice=advice, state=self._resting(out.x.q))
         return out.x._replace(s=0.0)
 
     def trace(
@@ -131,8 +135,14 @@ class _Follow:
                 first = arc.station(self._begin(), (nothing, sign)) if branch is None else self._aside(arc, branch, sign, step)
                 stations, found, ended = trace(arc, first, step, longest, most, self._functions(until, events))
             except Singular as trouble:
-                advice = "Something moves without resistance, or the start is a limit point or bifurcation itself: start from another state"
-                raise SimulationError(f"the path has no tangent: {trouble}", time=self.t, advice=advice) from None
+                item = self._loosest(q := self.q if branch is None else branch.at.q)
+                advice = (
+                    f"give {item!r} stiffness, or hold it: it moves without resistance",
+                    "start beside a limit point or bifurcation: start=path[k].state of another path",
+                    "use mbd.equilibrium(scene), which lets things fall into the next balance",
+                )
+                what = f"the path has no tangent: {trouble}"
+                raise SimulationError(what, time=self.t, item=item, advice=advice, state=self._resting(q)) from None
         return self._branch(stations, found, ended, events)
 
     def _aside(self, arc: Any, branch: Bifurcation, sign: float, step: float) -> Any:
@@ -142,14 +152,36 @@ class _Follow:
         x = Point(branch.at.factor, branch.at.q, self._stress(branch.at.q), branch.at.multipliers)
         station = arc.aside(x, sign * branch.motion, step)
         if station is None:
-            raise SimulationError("no other path found beside the bifurcation", time=self.t, advice="Try another step, or reverse=True")
+            item = self.system.owners[int(np.argmax(np.abs(branch.motion) * self.system.levers))][0]
+            advice = (
+                "leave to the other side: reverse=True",
+                "leave by another first step: step=0.1 or step=0.002",
+                "disturb the scene a little, by a small force across, and follow its only path",
+            )
+            what = "no other path found beside the bifurcation"
+            raise SimulationError(what, time=self.t, item=item, advice=advice, state=self._resting(branch.at.q))
         return station
 
-    def _functions(self, until: float | None, events: dict[str, Event]) -> list[Any]:
-        def seen(event: Event) -> Any:
-            return lambda x: float(event.function(self._at(x, 0)))  # type: ignore[arg-type]
+    def _resting(self, q: Array) -> State:
+        return State(q, np.zeros(self.system.n), self.t)
 
-        functions: list[Any] = [(seen(event), event.direction, event.terminal) for event in events.values()]
+    def _loosest(self, q: Array) -> str:
+        """The item that moves most with what K resists least, as far as it can be told."""
+        from .solvers.formats import Singular
+        from .solvers.softest import softest
+        from .solvers.statics import Point
+
+        try:
+            motion = softest(self.problem, Point(0.0, q, self._stress(q), np.zeros(self.system.m)))[1]
+        except Singular:
+            return str(self.names[0] if self.names else self.system.owners[0][0])
+        return str(self.system.owners[int(np.argmax(np.abs(motion) * self.system.levers))][0])
+
+    def _functions(self, until: float | None, events: dict[str, Event]) -> list[Any]:
+        def seen(name: str, event: Event) -> Any:
+            return lambda x: event_value(event, name, self._at(x, 0), self.t)
+
+        functions: list[Any] = [(seen(name, event), event.direction, event.terminal) for name, event in events.items()]
         return functions if until is None else [*functions, (lambda x: x.s - until, 0, True)]
 
     def _at(self, x: Any, unstable: int) -> Equilibrium:

@@ -51,6 +51,11 @@ def functions(items: list[Data]) -> list[str]:
     return [item["fields"]["name"] for item in items if any(map(_is_function, item["fields"].values()))]
 
 
+def missing(scene: Scene) -> list[str]:
+    """Names of the items whose functions of t were not stored."""
+    return [item.name for item in scene.items if any(isinstance(value, Missing) for value in vars(item.description).values())]
+
+
 def _described(description: Any, name: str) -> Data:
     kind = type(description).__name__
     if KINDS.get(kind) is not type(description):

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from .displayed import Displayed
 from .edits import Edit
+from .magnitudes import Hint
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,7 @@ class Redundancy:
 
 
 @dataclass(frozen=True)
-class Structure:
+class Structure(Displayed):
     """What ``check`` found.
 
     bodies, joints  names; parts, names of the items of each independent part; loops, names of bodies and joints in turn
@@ -76,6 +78,7 @@ class Structure:
     unheld          coordinates with neither inertia nor a joint to determine them
     motions         a line for each free motion, where there are not too many
     complaints      why the scene cannot be assembled; the rest is then said of it as described
+    hints           magnitudes that hint at a slip of units: each with item, found, usual, mend
     """
 
     bodies: tuple[str, ...]
@@ -90,6 +93,7 @@ class Structure:
     unheld: tuple[str, ...]
     motions: tuple[str, ...]
     complaints: tuple[str, ...]
+    hints: tuple[Hint, ...] = ()
 
     @property
     def indeterminate(self) -> tuple[str, ...]:
@@ -111,6 +115,7 @@ class Structure:
             lines.append(f"free motions: {self.free - len(self.motions)} more, too many to describe")
         lines += [str(each) for each in self.redundant]
         lines += [f"neither inertia nor a joint determines {name}; give it mass or hold it" for name in self.unheld]
+        lines += [f"unusual magnitude: {hint}" for hint in self.hints]
         return "\n".join(lines)
 
 

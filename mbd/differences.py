@@ -67,9 +67,10 @@ def integral(f: Callable[[Array], Array], a: float, b: float, depth: int = 40) -
 
 
 def _gauss(f: Callable[[Array], Array], a: float, b: float) -> tuple[float, float]:
-    """The sum, and the size of its terms."""
+    """The sum, and the size of its terms and of what the rounding of times, in units of rounding, makes of them."""
     values = f(0.5 * (a + b) + 0.5 * (b - a) * NODES)
-    return 0.5 * (b - a) * float(GAUSS @ values), 0.5 * abs(b - a) * float(GAUSS @ np.abs(values))
+    size = 0.5 * abs(b - a) * float(GAUSS @ np.abs(values)) + max(abs(a), abs(b)) * float(np.ptp(values))
+    return 0.5 * (b - a) * float(GAUSS @ values), size
 
 
 def _halved(f: Callable[[Array], Array], a: float, b: float, whole: float, size: float, depth: int) -> float:

@@ -51,6 +51,7 @@ def kinematics(scene: Scene, times: ArrayLike, *, start: State | None = None) ->
     pieces, trouble = _pieces(parts, begin, wanted)
     if not pieces:
         assert trouble is not None
+        trouble.state = assembly.state
         raise trouble
     stats = {
         "solver": KinematicPath.name,
@@ -61,7 +62,7 @@ def kinematics(scene: Scene, times: ArrayLike, *, start: State | None = None) ->
     }
     result = KinematicResult(scene, system, joined(pieces, system.n), stats, assembly, None, Events({}, {}))
     if trouble:
-        trouble.result = result
+        trouble.result, trouble.state = result, result.final
         raise trouble
     return result
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .affine import Affine, Array
+from .called import called
 from .errors import SceneError
 from .marker import Marker
 
@@ -70,6 +71,16 @@ class Instant(NamedTuple):
         return float(np.arctan2(y, x))
 
 
+def event_value(event: Event, name: str, state: Any, time: float) -> float:
+    """An event's function at a state. Raises SimulationError where it fails."""
+
+    def fits(given: Any, value: Array) -> bool:
+        return value.shape == () and not isinstance(given, (bool, np.bool_)) and given is not None
+
+    expected = "a finite number that passes through zero"
+    return float(called(event.function, state, fits=fits, expected=expected, what="the event's function", item=name, time=time))
+
+
 def _marker(marker: Any) -> Marker:
     if not isinstance(marker, Marker):
         raise TypeError(f"expected a marker such as rod.end or body.at(x, y), found {marker!r}")
@@ -99,6 +110,10 @@ class Events(Mapping[Any, Times]):
 
     def __init__(self, times: dict[str, Times], events: Mapping[str, Event]):
         self._times, self._names = times, {event: name for name, event in events.items()}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the functions, which other processes may not know: there, events go by name."""
+        return {"_times": self._times, "_names": {}}
 
     def __getitem__(self, key: Event | str) -> Times:
         name = self._names.get(key, key.name) if isinstance(key, Event) else key

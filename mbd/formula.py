@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from .affine import Array
+from .called import called
 from .differences import derivative
 from .errors import SimulationError
 
@@ -57,17 +58,12 @@ class Formula:
         return derivative(line, 0.0, order)
 
     def _call(self, function: Callable[..., Any], what: str, shape: tuple[int, ...], x: Array, before: tuple[float, ...]) -> Array:
-        time, advice = (before or (float("nan"),))[0], f"Correct the {what}"
-        try:
-            value = np.asarray(function(*before, *x.tolist()), dtype=float)
-        except Exception as error:
-            raise SimulationError(f"its {what} raised {type(error).__name__}: {error}", time=time, item=self.item, advice=advice) from error
-        if value.size != int(np.prod(shape)) or [n for n in value.shape if n > 1] != [n for n in shape if n > 1]:
-            found = f"its {what} returned an array of shape {value.shape}, expected {shape} (axes of length 1 may be left out)"
-            raise SimulationError(found, time=time, item=self.item, advice=advice)
-        if not np.isfinite(value).all():
-            raise SimulationError(f"its {what} returned {value.tolist()} at {x.tolist()}", time=time, item=self.item, advice="It must be finite")
-        return value.reshape(shape)
+        time, expected = before[0] if before else None, f"finite numbers of shape {shape} (axes of length 1 may be left out)"
+
+        def fits(_: Any, value: Array) -> bool:
+            return value.size == int(np.prod(shape)) and [n for n in value.shape if n > 1] == [n for n in shape if n > 1]
+
+        return called(function, *before, *x.tolist(), fits=fits, expected=expected, what=f"its {what}", item=self.item, time=time).reshape(shape)
 
     def faults(self, x: Array, *before: float) -> list[str]:
         """Complaints about given derivatives that are not those of the function, at x [k]; none where a function fails there: the run that

@@ -113,9 +113,14 @@ class KinematicPath:
         """Where positions come to a dead centre, as far as it was followed; told by the equations most in need of one another there."""
         weights = np.abs(np.linalg.svd(self._gradient(state.q))[0][:, self.system.n - 1])
         names = dict.fromkeys(self.system.label(int(row)) for row in np.flatnonzero(weights > 0.1 * weights.max()))
-        joints = ", ".join(repr(name) for name in names if name not in self.system.internal)
-        what = f"the drives lead to a dead centre, or to where the joints cannot close ({joints})"
-        return SimulationError(what, time=state.t, advice="Drive another joint there, change lengths or the drive's range, or use mbd.simulate")
+        joints = [name for name in names if name not in self.system.internal] or list(names)
+        what = f"the drives lead to a dead centre, or to where the joints cannot close ({', '.join(map(repr, joints))})"
+        advice = (
+            "drive another joint there, or keep the drive's range short of that position",
+            "change lengths so that the joints close all the way: result.plot() shows where they are stretched",
+            "use mbd.simulate, which passes dead centres by inertia",
+        )
+        return SimulationError(what, time=state.t, item=joints[0], advice=advice)
 
 
 def work(piece: Trajectory) -> Array:

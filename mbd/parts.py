@@ -9,7 +9,7 @@ steps of the fastest, within the tolerance of the smallest, where that costs les
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
@@ -157,9 +157,8 @@ def _part(scene: Scene, items: Sequence[Any], columns: NDArray[np.intp], rows: N
     new_row[table] = np.arange(table.size)
     own = Scene(scene.gravity)
     for item in items:
-        given = {field.name: getattr(item.description, field.name) for field in fields(item.description)}
-        moved = {name: _moved(value, own, new_row) for name, value in given.items() if isinstance(value, (Marker, list, tuple)) or _is_item(value)}
-        own.add(replace(item.description, **moved | {"name": item.name}))
+        links = links_in(own, item.description, lambda marker: _moved_marker(marker, own, new_row))
+        own.add(replace(item.description, **links | {"name": item.name}))
     system = own.build()
     system.length = min(system.length, longest)
     return Part(tuple(item.name for item in items), system, columns, rows)
@@ -176,13 +175,19 @@ def _mentioned(value: Any) -> list[str]:
     return [value.name] if _is_item(value) else []
 
 
-def _moved(value: Any, scene: Scene, new_row: NDArray[np.intp]) -> Any:
-    """A field in its part: a marker with other rows, an item by its name, lists of them; anything else as it is."""
+def links_in(scene: Scene, description: Any, carry: Callable[[Marker], Marker]) -> dict[str, Any]:
+    """The fields of a description that lead to other items, as they are in another scene of the same names; ``carry`` takes markers there."""
+    given = {field.name: getattr(description, field.name) for field in fields(description)}
+    return {name: _moved(value, scene, carry) for name, value in given.items() if isinstance(value, (Marker, list, tuple)) or _is_item(value)}
+
+
+def _moved(value: Any, scene: Scene, carry: Callable[[Marker], Marker]) -> Any:
+    """A field in another scene: a marker as it is carried, an item by its name, lists of them; anything else as it is."""
     if isinstance(value, (list, tuple)):
-        return [_moved(part, scene, new_row) for part in value]
+        return [_moved(part, scene, carry) for part in value]
     if _is_item(value):
         return scene[value.name]
-    return _moved_marker(value, scene, new_row) if isinstance(value, Marker) else value
+    return carry(value) if isinstance(value, Marker) else value
 
 
 def _moved_marker(marker: Marker, scene: Scene, new_row: NDArray[np.intp]) -> Marker:

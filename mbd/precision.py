@@ -177,7 +177,7 @@ def _measured(
             except SimulationError as stop:
                 stats = stop.result.stats if stop.result else {}
                 counts = int(stats.get("steps", 0)), int(stats.get("newton iterations", 0))
-                return Row(_label(solver), rtol, float(stats.get("wall time", np.nan)), np.inf, *counts, f"stopped at {stop.time:.4g} s")
+                return Row(_label(solver), rtol, float(stats.get("wall time", np.nan)), np.inf, *counts, f"stopped at {stop.time or 0.0:.4g} s")
             seconds.append(float(result.stats["wall time"]))
     error = float(np.max(np.linalg.norm(result.position(output, t=times) - exact, axis=1)))
     note = "; ".join(sorted({str(warning.message) for warning in caught}))

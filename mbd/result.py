@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -14,8 +14,10 @@ from numpy.typing import ArrayLike
 
 from .affine import Array
 from .audit import Audit, audit
+from .displayed import Displayed
 from .errors import SceneWarning
 from .event import Events
+from .failures import undetermined
 from .marker import Marker
 from .parts import Index, Part
 from .reaction import reaction
@@ -25,6 +27,8 @@ from .trajectory import Joined, Trajectory
 
 if TYPE_CHECKING:
     from .assembly import Assembly
+    from .outputs import Output
+    from .progress import Progress
     from .scene import Scene
 
 
@@ -41,7 +45,11 @@ class Energy:
         return self.kinetic + self.elastic + self.potential
 
 
-class Result:
+class Statistics(Displayed, dict[str, Any]):
+    """What a run took: solver, steps, factorizations, wall time and so on."""
+
+
+class Result(Displayed):
     """A run of a scene.
 
     t [n_t]: the accepted steps (of several independent parts: of the one that took most), or ``t_eval``; q, v [n_t, n] in order of
@@ -58,9 +66,10 @@ class Result:
         assembly: Assembly,
         chosen: tuple[Array, Array, Array] | None,
         events: Events,
+        progress: Progress | None = None,
     ):
-        self.scene, self.system, self.trajectory, self.stats, self.assembly = scene, system, trajectory, stats, assembly
-        self.chosen, self.events = chosen, events
+        self.scene, self.system, self.trajectory, self.stats, self.assembly = scene, system, trajectory, Statistics(stats), assembly
+        self.chosen, self.events, self.progress = chosen, events, progress
         self._instants: dict[Part, tuple[Array, Array]] = {}
         self._warned: set[str] = set()
 
@@ -83,6 +92,11 @@ class Result:
     def final(self) -> State:
         """The last state: ``simulate(scene, t_end, start=result.final)`` continues."""
         return self.trajectory.end
+
+    def resampled(self, t: ArrayLike) -> Result:
+        """The same run with ``t`` at other times [n_t] [s], ascending or not: everything asked of it is at these."""
+        times = np.atleast_1d(np.asarray(t, dtype=float))
+        return Result(self.scene, self.system, self.trajectory, self.stats, self.assembly, (times, *self.trajectory.at(times)), self.events)
 
     def _motion(self, t: ArrayLike | None, columns: Index) -> tuple[Array, Array]:
         """q, v [..., n]; of the parts that these coordinates belong to, at least."""
@@ -201,6 +215,31 @@ class Result:
 
         save(self, path)
 
+    def to_xarray(self, outputs: Mapping[str, Output] | None = None, t: ArrayLike | None = None) -> Any:
+        """An xarray Dataset over time: q, v, energies and named outputs ({"tip": rod.end, "hinge": pivot}), labelled, with units; at ``t`` or
+        other times. Needs xarray."""
+        from .export.labelled import to_xarray
+
+        return to_xarray(self, outputs, t)
+
+    def to_dataframe(self, outputs: Mapping[str, Output], t: ArrayLike | None = None) -> Any:
+        """A pandas DataFrame over time of named outputs (markers, joints, measures, bodies, functions of the result). Needs pandas."""
+        from .export.tables import to_dataframe
+
+        return to_dataframe(self, outputs, t)
+
+    def to_csv(self, path: str | os.PathLike[str], outputs: Mapping[str, Output], t: ArrayLike | None = None) -> None:
+        """Writes named outputs over time as text, with headings and units; numbers in full."""
+        from .export.tables import to_csv
+
+        to_csv(self, path, outputs, t)
+
+    def to_paraview(self, path: str | os.PathLike[str], t: ArrayLike | None = None) -> None:
+        """Writes what ``plot`` shows for ParaView: ``path`` (.pvd) and a folder of one .vtu file a time. Needs meshio."""
+        from .export.paraview import to_paraview
+
+        to_paraview(self, path, t)
+
     def plot(self, times: ArrayLike | None = None, *, items: Sequence[Any] | None = None, ax: Any = None) -> Any:
         """The deformed shapes at times [s] (by default ten), coloured by time; returns the matplotlib Axes."""
         from .plot import plot
@@ -213,6 +252,22 @@ class Result:
 
         return animate(self, path, fps=fps, speed=speed)
 
+    def report(
+        self, path: str | os.PathLike[str], *, outputs: dict[str, Any] | None = None, verification: Any = None, title: str | None = None
+    ) -> None:
+        """Writes the run as one HTML file: animation, plots, audit, structure, statistics, the scene. It opens in any browser, without a network.
+
+        outputs       what to plot and follow, by name: markers (their paths), joints (reactions), measures, bodies, or functions of a result that
+                      return [n_t] or [n_t, k] at its t; None: what moves
+        verification  error estimates to show beside: anything that prints as a table, with ``errors`` by name over ``t`` where it has them
+        title         of the page; None: the file's name
+
+        Raises ValueError for outputs that are not of this scene, and for a scene that has grown since the run.
+        """
+        from .report import write
+
+        write(self, path, outputs, verification, title)
+
 
 def _marker(marker: Any) -> Marker:
     if not isinstance(marker, Marker):
@@ -222,12 +277,16 @@ def _marker(marker: Any) -> Marker:
 
 def _solve_index_one(piece: Trajectory, times: Array, q: Array, v: Array) -> tuple[Array, Array]:
     """Accelerations and multipliers of one part at q, v [..., n_part] and times [...]."""
+    from .solvers.formats import Singular
     from .solvers.start import accelerations, mass_factor
 
     system, linear = piece.part.system, piece.linear
     a, multipliers = np.empty(q.shape), np.empty((*times.shape, system.m))
     for k in np.ndindex(times.shape):
-        factor = mass_factor(system, linear, q[k])
+        try:
+            factor = mass_factor(system, linear, q[k])
+        except Singular as trouble:
+            raise undetermined(system, linear, q[k], float(times[k]), trouble) from trouble
         a[k], multipliers[k] = accelerations(system, factor, q[k], v[k], system.inputs(float(times[k])))
     return a, multipliers
 

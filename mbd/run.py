@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -11,14 +12,16 @@ from numpy.typing import ArrayLike
 
 from .affine import Array
 from .assembly import Assembly, announce
+from .checkpoint import Checkpoint
+from .course import Course
 from .errors import SceneError, SceneWarning
-from .event import Event, Events, named
-from .leg import Leg, travel
+from .event import Event, named
+from .leg import Aim, Leg
 from .parts import Part
+from .progress import Plan
 from .result import Result
 from .starts import starts, together
 from .state import State
-from .trajectory import joined
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -34,6 +37,8 @@ def simulate(
     start: State | None = None,
     events: Sequence[Event] | None = None,
     progress: bool = False,
+    checkpoint: str | os.PathLike[str] | None = None,
+    every: float = 60.0,
 ) -> Result:
     """The motion of a scene from its start, or from a given state, to the absolute time t_end [s].
 
@@ -44,37 +49,42 @@ def simulate(
     start     a state such as ``result.final``; None: positions and velocities as described
     events    mbd.Event(...) each: zero crossings to record in ``result.events``, or to stop at
     progress  a bar on the terminal, silent where standard error is none (needs tqdm)
+    checkpoint, every   a file for the result so far, written anew every so many seconds [s] of wall time, and at the end; a run that was
+              killed goes on from it by ``mbd.resume``
 
     Parts of the scene that nothing but the ground connects are integrated separately, each with steps and a default solver of its own; with
     events, which see all of the state, the scene is integrated as one.
     Steps end on the times at which functions of t declare that they jump (``mbd.piecewise``); the integrator starts there anew.
-    Raises SceneError for a scene that cannot be built or assembled, SimulationError, with the partial result, for a run that stops.
+    Raises SceneError for a scene that cannot be built or assembled; with the partial result, SimulationError for a run that stops, and
+    Interrupted, a KeyboardInterrupt, at Ctrl-C: ``mbd.resume`` goes on from both.
     """
     system = scene.build()
     state = start or State(system.q0, system.v0)
     state.check(system)
-    times, wanted = _checked_times(t_end, rtol, t_eval, state.t), named(events)
-    parts = [Part.whole(scene)] if wanted else scene.parts()
-    begin = starts(parts, state)
+    plan = Plan(State(state.q, state.v, float(state.t)), float(t_end), rtol, checked_times(t_end, rtol, t_eval, state.t), named(events))
+    kept = Checkpoint(scene, checkpoint, every) if checkpoint is not None else None
+    parts = [Part.whole(scene)] if plan.events else scene.parts()
+    begin = starts(parts, plan.start)
     assembly = together(begin, parts, system.n)
     announce(assembly)
-    bar = _Bar(state.t, float(t_end), len(parts)) if progress else None
-    try:
-        legs = _legs(parts, begin, solver, float(t_end), rtol, wanted, bar)
-    finally:
-        if bar:
-            bar.close()
-    result = _result(scene, legs, assembly, times)
-    trouble = next((leg.trouble for leg in reversed(legs) if leg.trouble), None)
-    if trouble:
-        trouble.result = result
-        raise trouble
-    _warn_of_imbalance(result)
-    _warn_of_doubts(result)
+    legs = [_leg(part, each, solver, plan) for part, each in zip(parts, begin)]
+    result = finished(Course(scene, plan, assembly, legs), progress, kept)
+    warn_of_imbalance(result)
+    warn_of_doubts(result)
     return result
 
 
-def _checked_times(t_end: float, rtol: float, t_eval: ArrayLike | None, t_start: float) -> Array | None:
+def finished(course: Course, progress: bool, checkpoint: Checkpoint | None) -> Result:
+    """A run to its end, with a bar where one is wanted."""
+    bar = _Bar(min(leg.t for leg in course.legs), course.plan.t_end) if progress else None
+    try:
+        return course.finish(bar, checkpoint)
+    finally:
+        if bar:
+            bar.close()
+
+
+def checked_times(t_end: float, rtol: float, t_eval: ArrayLike | None, t_start: float) -> Array | None:
     found = []
     if not (np.isfinite(t_end) and t_end > t_start):
         found.append(f"t_end: expected a finite time after the start at {t_start:g} s, found {t_end!r}; correct it")
@@ -90,51 +100,19 @@ def _checked_times(t_end: float, rtol: float, t_eval: ArrayLike | None, t_start:
     return times
 
 
-def _default(part: Part) -> tuple[Any, str]:
+def _leg(part: Part, start: Assembly, solver: Any, plan: Plan) -> Leg:
+    """A part at its consistent start, with the solver chosen or its default."""
     from .solvers.automatic import default
+    from .solvers.protocol import State as SolverState
 
-    return default(part.system)
-
-
-def _legs(parts: Sequence[Part], begin: Sequence[Assembly], solver: Any, t_end: float, rtol: float, events: dict[str, Event], bar: Any) -> list[Leg]:
-    """Every part, one after the other. Where one stops early, the others go on to that time only."""
-    legs = []
-    for part, start in zip(parts, begin):
-        chosen, reason = (solver, "chosen by the user") if solver is not None else _default(part)
-        legs.append(travel(part, start, chosen, t_end, rtol, events, bar))
-        legs[-1].stats["reason"] = reason
-        if legs[-1].trouble:
-            t_end = float(legs[-1].trajectory.t[-1])
-    return legs
+    system, at = part.system, start.state
+    chosen, reason = (solver, "chosen by the user") if solver is not None else default(system)
+    stress = system.stress(system.strains(at.q), at.v) if system.n_stresses else np.zeros(0)
+    states = [SolverState(at.t, at.q, at.v, np.zeros(system.m), stress)]
+    return Leg(part, start.linear, chosen, reason, states, Aim(plan.t_end, plan.rtol, plan.events))
 
 
-def _result(scene: Scene, legs: Sequence[Leg], assembly: Assembly, t_eval: Array | None) -> Result:
-    system, watch = scene.build(), legs[0].watch
-    trajectory, stats = joined([leg.trajectory for leg in legs], system.n), _stats(legs)
-    if watch:
-        stats["ended by"] = watch.ended_by
-    chosen = None
-    if t_eval is not None:
-        reached = t_eval[t_eval <= trajectory.t[-1]]
-        chosen = (reached, *trajectory.at(reached))
-    return Result(scene, system, trajectory, stats, assembly, chosen, watch.events if watch else Events({}, {}))
-
-
-COUNTS = ("steps", "rejected", "failed", "newton iterations", "factorizations", "wall time")
-
-
-def _stats(legs: Sequence[Leg]) -> dict[str, Any]:
-    """Of one part its own; of several the sums, and under "parts" those of each."""
-    if len(legs) == 1:
-        return legs[0].stats
-    each = [leg.stats for leg in legs]
-    said = {name: "; ".join(dict.fromkeys(stats[name] for stats in each)) for name in ("solver", "linear algebra", "reason")}
-    sums = {name: sum(stats[name] for stats in each) for name in COUNTS}
-    parts = [{"items": list(leg.trajectory.part.items)} | leg.stats for leg in legs]
-    return said | {"rtol": each[0]["rtol"]} | sums | {"parts": parts}
-
-
-def _warn_of_imbalance(result: Result) -> None:
+def warn_of_imbalance(result: Result) -> None:
     """An energy that does not add up is the one sign of an unstable or far too coarse run that every scene gives."""
     audit = result.audit
     pieces = result.trajectory.pieces()
@@ -149,7 +127,7 @@ def _warn_of_imbalance(result: Result) -> None:
             )
 
 
-def _warn_of_doubts(result: Result) -> None:
+def warn_of_doubts(result: Result) -> None:
     """What items know of the limits of their own formulation."""
     for item in result.scene.items:
         for doubt in item.doubts(result.q) if hasattr(item, "doubts") else []:
@@ -157,20 +135,18 @@ def _warn_of_doubts(result: Result) -> None:
 
 
 class _Bar:
-    """Simulated time and the last step on the terminal, of several parts the mean, with the time that is left; nothing where there is none."""
+    """Simulated time of the part furthest behind on the terminal, the last step and the time that is left; nothing where there is none."""
 
-    def __init__(self, t_start: float, t_end: float, parts: int):
+    def __init__(self, t_start: float, t_end: float):
         from tqdm import tqdm
 
-        self._start = self._t = t_start
-        self._parts = parts
+        self._t = t_start
         form = "{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}{postfix}]"
         self._bar = tqdm(total=t_end - t_start, unit="s", bar_format=form, disable=None)
 
     def __call__(self, t: float) -> None:
-        before = self._t if t > self._t else self._start  # of the next part
-        self._bar.set_postfix_str(f"step {t - before:.1e} s", refresh=False)
-        self._bar.update((t - before) / self._parts)
+        self._bar.set_postfix_str(f"step {t - self._t:.1e} s", refresh=False)
+        self._bar.update(t - self._t)
         self._t = t
 
     def close(self) -> None:

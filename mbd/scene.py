@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import pickle
+import threading
 from collections import defaultdict
+from copy import deepcopy
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import validate
 from .affine import Affine
+from .displayed import Displayed
 from .errors import SceneError
 from .layout import Layout
 from .marker import Marker
@@ -20,7 +24,11 @@ if TYPE_CHECKING:
     from .parts import Part
 
 
-class Scene:
+_BUILDING = threading.RLock()
+"""One thread at a time: those that share a scene share its system."""
+
+
+class Scene(Displayed):
     """A mechanism under construction.
 
     gravity  [d] [m/s^2]; two components make a planar scene, three a spatial one. Any consistent set of units works.
@@ -42,7 +50,7 @@ class Scene:
         self.ground = Ground(self)
         self.items: list[Any] = []
         self._names: dict[str, Any] = {"ground": self.ground}
-        self._numbers: dict[str, int] = defaultdict(lambda: 1)  # the least that a made name may still have, by stem
+        self._numbers: dict[str, int] = defaultdict(_one)  # the least that a made name may still have, by stem
         self._bad: set[str] = set()
         self._built: tuple[int, System] | None = None
         self._parts: tuple[System, list[Part]] | None = None
@@ -129,18 +137,38 @@ class Scene:
 
     def build(self) -> System:
         """The system of equations; the same object until something is added. Raises SceneError with every complaint."""
-        if self._built is None or self._built[0] != len(self.items):
-            self._built = (len(self.items), self._assemble())
-        return self._built[1]
+        with _BUILDING:
+            if self._built is None or self._built[0] != len(self.items):
+                self._built = (len(self.items), self._assemble())
+            return self._built[1]
 
     def parts(self) -> list[Part]:
         """The independent parts of the scene, which are integrated separately; the same objects until something is added."""
         from .parts import split
 
-        system = self.build()
-        if self._parts is None or self._parts[0] is not system:
-            self._parts = (system, split(self))
-        return self._parts[1]
+        with _BUILDING:
+            system = self.build()
+            if self._parts is None or self._parts[0] is not system:
+                self._parts = (system, split(self))
+            return self._parts[1]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For other processes. Raises TypeError where a function cannot go there, by the name of its item."""
+        stuck = [f"{type(item.description).__name__} {item.name!r}: {field}" for item in self.items for field in _stuck(item.description)]
+        if stuck:
+            found = "; ".join(stuck)
+            raise TypeError(f"scene: expected functions that can be pickled, of the top of a module, found others ({found}); define them there with def")
+        return self._described()
+
+    def _described(self) -> dict[str, Any]:
+        """All but what is built of it."""
+        return vars(self) | {"_built": None, "_parts": None}
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Scene:
+        """A scene of its own; functions, whatever they are, stay the same."""
+        other = memo[id(self)] = Scene.__new__(Scene)
+        vars(other).update({name: deepcopy(value, memo) for name, value in self._described().items()})
+        return other
 
     def _assemble(self) -> System:
         if self._complaints:
@@ -152,7 +180,25 @@ class Scene:
             item.assemble(model)
         if model.complaints:
             raise SceneError(model.complaints)
-        return System(model)
+        system = System(model)
+        system.scene = self
+        return system
+
+
+def _one() -> int:
+    return 1
+
+
+def _stuck(description: Any) -> list[str]:
+    """Fields with functions that cannot be pickled."""
+    found = []
+    for name, value in vars(description).items():
+        if callable(value):
+            try:
+                pickle.dumps(value)
+            except (pickle.PicklingError, TypeError, AttributeError):
+                found.append(name)
+    return found
 
 
 class Site:

@@ -18,7 +18,7 @@ import numpy as np
 
 from . import validate
 from .affine import Array
-from .errors import SimulationError
+from .called import called
 from .fields import Function, Vector
 
 SAME, BESIDE = 32.0, 64.0
@@ -81,20 +81,8 @@ class Signal:
     def _call(self, t: float) -> Array:
         assert self.function is not None
         expected = "a number" if not self.shape else f"{self.shape[0]} numbers"
-        try:
-            value = np.asarray(self.function(t), dtype=float)
-        except Exception as error:
-            raise SimulationError(
-                f"the function given for it raised {type(error).__name__}: {error}", time=t, item=self.item, advice="Correct the function"
-            ) from error
-        if value.shape != self.shape:
-            raise SimulationError(
-                f"the function given for it returned an array of shape {value.shape}, expected {expected} {self.unit}",
-                time=t, item=self.item, advice="Correct the function",
-            )  # fmt: skip
-        if not np.isfinite(value).all():
-            raise SimulationError(f"the function given for it returned {value.tolist()}", time=t, item=self.item, advice="It must be finite")
-        return value
+        what, wanted = "the function given for it", f"{expected} {self.unit}"
+        return called(self.function, t, fits=lambda _, value: value.shape == self.shape, expected=wanted, what=what, item=self.item, time=t)
 
 
 def _same(times: Array, jumps: Array) -> Any:
@@ -131,24 +119,24 @@ class OneSided:
     """An integrator whose steps see functions of time from inside: where one ends at a jump, as they were before it."""
 
     def __init__(self, method: Any, jumps: Array):
-        self._method, self._jumps = method, jumps
+        self.method, self._jumps = method, jumps
 
     @property
     def name(self) -> str:
-        return self._method.name
+        return self.method.name
 
     @property
     def fixed(self) -> float | None:
-        return self._method.fixed
+        return self.method.fixed
 
     def step(self, system: Any, linear: Any, state: Any, h: float, tolerance: float) -> Any:
-        return self._method.step(from_inside(system, self._jumps, state.t, state.t + h), linear, state, h, tolerance)
+        return self.method.step(from_inside(system, self._jumps, state.t, state.t + h), linear, state, h, tolerance)
 
     def inside(self, system: Any, linear: Any, before: Any, after: Any, t: Array) -> tuple[Array, Array]:
-        return self._method.inside(from_inside(system, self._jumps, before.t, after.t), linear, before, after, t)
+        return self.method.inside(from_inside(system, self._jumps, before.t, after.t), linear, before, after, t)
 
     def kept(self, memory: Any) -> Any:
-        return self._method.kept(memory)
+        return self.method.kept(memory)
 
     def first_step(self, system: Any, state: Any, acceleration: Array, span: float, tolerance: float) -> float:
-        return self._method.first_step(system, state, acceleration, span, tolerance)
+        return self.method.first_step(system, state, acceleration, span, tolerance)

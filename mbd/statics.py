@@ -116,9 +116,13 @@ def _parts(system: System, linear: Any, path: Loading) -> int:
 
 def _failure(system: System, out: Any, redundant: tuple[str, ...], t: float) -> SimulationError:
     """What gave way: the item that moved most when the iteration was given up."""
-    item = system.owners[out.worst][0] if out.worst >= 0 else redundant[0] if redundant else None
+    item = system.owners[out.worst][0] if out.worst >= 0 else redundant[0] if redundant else system.owners[0][0]
     reached = f"balance was kept up to {100.0 * out.x.s:.3g} % of the loads, then " if 0.0 < out.x.s < 1.0 else ""
-    advice = "Look for a part that nothing holds, a mechanism that a load keeps turning, or a load beyond what the structure bears"
-    if redundant:
-        advice = f"Joints {', '.join(map(repr, redundant))} depend on each other in this position: a dead centre? {advice}"
-    return SimulationError(f"no equilibrium found: {reached}{out.failure}", time=t, item=item, advice=advice)
+    dead = f"start away from the position in which {', '.join(map(repr, redundant))} depend on each other: a dead centre?" if redundant else ""
+    advice = (
+        dead or f"hold what nothing holds: can {item!r} move without end, or is it a mechanism that a load keeps turning?",
+        "find the load that it bears, by mbd.continuation(scene, load), or take more steps: load_steps=10",
+        "let it come to rest: mbd.simulate with dampers, then mbd.equilibrium(scene, start=result.final)",
+    )
+    last = State(out.x.q, np.zeros(system.n), t)
+    return SimulationError(f"no equilibrium found: {reached}{out.failure}", time=t, item=item, advice=advice, state=last)

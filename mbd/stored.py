@@ -17,6 +17,8 @@ STATE = ("t", "q", "v", "multipliers", "stress", "method")
 ARRAYS = (*STATE, "work")
 CHOSEN = ("chosen_t", "chosen_q", "chosen_v")
 """The times that ``t_eval`` asked for and the values there; only in results that have them."""
+START, FORK, WANTED = ("start_q", "start_v"), "fork", "wanted"
+"""The start as it was given, what going on needs, and the times that ``t_eval`` asked for, where it did."""
 EVENTS = ("event_t", "event_q", "event_v")
 """Times and states of all events, one after the other; the head says how many belong to which."""
 
@@ -51,10 +53,11 @@ def divided(arrays: dict[str, Array], parts: list[Part], steps: list[int]) -> li
 
 def check_shapes(arrays: dict[str, Array], system: System) -> None:
     """Raises ValueError unless all are finite and fit the system."""
-    widths = _widths(system)
+    widths = _widths(system) | {WANTED: ()}
     for name, array in arrays.items():
-        length = len(arrays[CHOSEN[0] if name in CHOSEN else EVENTS[0] if name in EVENTS else "t"])
-        shape = (length, *widths[name.removeprefix("chosen_").removeprefix("event_")])
+        first = CHOSEN[0] if name in CHOSEN else EVENTS[0] if name in EVENTS else WANTED if name == WANTED else "t"
+        length = () if name in START else (len(arrays[first]),)
+        shape = (*length, *widths[name.removeprefix("chosen_").removeprefix("event_").removeprefix("start_")])
         if not (array.shape == shape and np.isfinite(array).all()):
             raise ValueError(f"{name}: expected finite numbers of shape {shape}, found shape {array.shape}, or NaN among them")
 

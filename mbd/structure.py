@@ -14,6 +14,7 @@ from .dependence import Spaces, minimal_sets, rank_of, scaled_gradient, spaces
 from .diagnosis import Redundancy, Structure
 from .edits import propose
 from .errors import SceneError
+from .magnitudes import hints
 from .motions import LISTED, motions
 from .parts import Part, components
 from .starts import starts, together
@@ -31,9 +32,11 @@ POSES = 3
 """So many poses nearby tell what holds everywhere: the least redundant counts."""
 
 
-def check(scene: Scene, start: State | None = None) -> Structure:
+def check(scene: Scene, start: State | None = None, *, solver: Any = None) -> Structure:
     """The structure of a scene, at its assembled start or at a given state: bodies, joints, loops, degrees of freedom, redundant joints,
-    singular positions, indeterminate reactions, free motions. ``print`` it.
+    singular positions, indeterminate reactions, free motions; and hints at likely slips of units. ``print`` it.
+
+    solver    that the scene shall be run with: where its steps are fixed, they too are looked at
 
     Ranks count singular values of the scaled G above 1e-9 of the largest. Raises SceneError for a scene that cannot be built.
     """
@@ -60,6 +63,7 @@ def check(scene: Scene, start: State | None = None) -> Structure:
         unheld=tuple(name for each in found for name in each.unheld()),
         motions=tuple(line for each in found for line in each.motions()),
         complaints=tuple(complaints),
+        hints=hints(scene, getattr(solver, "step", None)),
     )
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,11 @@ from .strains import Strains
 from .target import Targets
 
 DENSE_MASS = 96
+
+
+def _of_scene(scene: Any) -> System:
+    system: System = scene.build()
+    return system
 
 
 class Inputs:
@@ -85,6 +91,18 @@ class System:
         self.damped = self.viscosity is not None or any(self._rated)
         self.driven = bool(model.drives)
         self._compile_tangent()
+        self.scene: Any = None  # which it is the system of, and is copied with
+
+    def __copy__(self) -> System:
+        view = object.__new__(System)
+        vars(view).update(vars(self))
+        return view
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """As its scene, of which it is built anew: arrays that were copied may lie otherwise in memory, and give other last bits."""
+        if self.scene is None or self.scene.build() is not self:
+            raise TypeError("expected the system of a scene as it is, found items added since; copy a result before adding to its scene")
+        return _of_scene, (self.scene,), {"length": self.length}
 
     def _compile_mass(self, model: Model) -> None:
         k = model.n_rows

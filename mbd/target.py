@@ -5,7 +5,6 @@ Derivatives are the user's own where the function carries them (``Motion``), oth
 
 from __future__ import annotations
 
-import bisect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -76,6 +75,10 @@ class Position:
         return values.reshape(*times.shape, -1)
 
 
+PANELS = 256
+"""Sums of an integral that are kept for each power of two of the time."""
+
+
 class Integral:
     """c' is given, a number or callable(t), and c is its integral from t = 0: exact for a number, otherwise by quadrature to rounding."""
 
@@ -84,7 +87,7 @@ class Integral:
         self._rate = Signal(speed, (), item, unit)
         self._acceleration = Signal(acceleration, (), item, f"{unit[:-1]}^2]") if acceleration else None
         self.signals: tuple[Signal, ...] = (self._rate, self._acceleration) if self._acceleration else (self._rate,)
-        self._known: list[tuple[float, float]] = [(0.0, 0.0)]  # remembered values only save time: each is right to rounding
+        self._known: dict[float, float] = {}  # at times that do not depend on which were asked for before: nor do the values, to the last bit
 
     def value(self, times: Array) -> Array:
         if self._rate.function is None:
@@ -92,13 +95,16 @@ class Integral:
         return np.array([self._up_to(float(t)) for t in times.ravel()]).reshape(*times.shape, 1)
 
     def _up_to(self, t: float) -> float:
-        k = bisect.bisect_left(self._known, (t, -np.inf))
-        near = min(self._known[max(k - 1, 0) : k + 1], key=lambda known: abs(known[0] - t))
-        if near[0] == t:
-            return near[1]
-        total = near[1] + integral(self._rate.sample, near[0], t)
-        self._known.insert(k, (t, total))
-        return total
+        """By way of every PANELS-th part of the power of two below t."""
+        octave = np.copysign(2.0 ** np.floor(np.log2(abs(t))), t) if t else 0.0
+        panel, done = octave / PANELS, octave
+        if octave and octave not in self._known:
+            self._known[octave] = integral(self._rate.sample, 0.0, octave)
+        for k in range(int((t - octave) / panel) if octave else 0):
+            start, done = octave + k * panel, octave + (k + 1) * panel
+            if done not in self._known:
+                self._known[done] = self._known[start] + integral(self._rate.sample, start, done)
+        return self._known.get(done, 0.0) + (integral(self._rate.sample, done, t) if t != done else 0.0)
 
     def rate(self, times: Array) -> Array:
         return self._rate.sample(times)[..., None]

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .affine import Array
+from .failures import unknown_between
 from .parts import Index, Part
 from .state import State
 
@@ -34,8 +35,7 @@ class Trajectory:
     linear: Any
 
     @classmethod
-    def of(cls, part: Part, record: Any, work: Array, solver: Any, method: Any, linear: Any) -> Trajectory:
-        states = record.states
+    def of(cls, part: Part, states: Sequence[Any], work: Array, solver: Any, method: Any, linear: Any) -> Trajectory:
         t, q, v = (np.array([getattr(state, name) for state in states]) for name in "tqv")
         return cls(part, t, q, v, work, states, solver, method, linear)
 
@@ -70,7 +70,10 @@ class Trajectory:
         between = (times != self.t[k]) & (times != self.t[k + 1])
         if between.any():
             before, after = self.states[k], self.states[k + 1]
-            q[between], v[between] = self.method.inside(self.part.system, self.linear, before, after, times[between])
+            try:
+                q[between], v[between] = self.method.inside(self.part.system, self.linear, before, after, times[between])
+            except ArithmeticError as trouble:
+                raise unknown_between(self.part.system, self.linear, before, after, trouble) from trouble
         for end in (k, k + 1):
             exact = times == self.t[end]
             q[exact], v[exact] = self.q[end], self.v[end]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from .about import About
 from .affine import Array
 from .balance import Equilibrium
+from .displayed import Displayed
 from .errors import SceneError
 from .marker import Marker
 from .rotating import Rotating
@@ -28,7 +29,7 @@ GENERAL = 1e3
 
 
 @dataclass(frozen=True, eq=False)
-class Modes:
+class Modes(Displayed):
     """Modes of vibration, q(t) = q0 + Re(shape exp(s t)), slowest first.
 
     eigenvalues  [k] s [1/s]; undamped i omega, of an unstable motion its growth. Of a conjugate pair that with positive imaginary part

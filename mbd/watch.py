@@ -8,20 +8,44 @@ fill the gaps. Only where these show a crossing, or something near one, the dens
 from __future__ import annotations
 
 from collections import deque
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .affine import Array
 from .crossings import crossings
 from .errors import SimulationError
-from .event import Event, Events, Instant, Times
+from .event import Event, Events, Instant, Times, event_value
 
 PRECISION = 1e-10  # of an event's time, as a share of the step
 AT_START = 1e-9  # a value below this share of those in the first step is zero at the start
 STORM, LATELY = 300, 100  # so many crossings in so many steps: the function varies faster than the motion, or is rounding
 COARSE = 0.2  # gaps between a method's own samples above this share of the step are filled
 ENDINGS = 5  # tries to end a step at zero
+
+STORMY = (
+    "let the function vary no faster than the motion",
+    "give it a threshold if it stays at zero but for rounding: an event is a passage through zero, not a state of rest there",
+    "give it a direction, 1 or -1, if it should count one way only",
+)
+UNSEEN = (
+    "ask for a smaller rtol or step, so that events lie in shorter steps",
+    "let the function be zero elsewhere than where bars come into line: joints are singular there",
+    "leave the event out and look for it in the result: result.position(marker, t=...)",
+)
+UNENDED = (
+    "ask for a smaller rtol or step",
+    "let the event happen a little earlier, away from a jump of a load or from where bars come into line",
+    "make it terminal=False and cut the result at result.events[...]",
+)
+
+
+class Seen(NamedTuple):
+    """How often each event was found, and its value at the end of the last step."""
+
+    counts: dict[str, int]
+    last: dict[str, float]
 
 
 class Watch:
@@ -30,9 +54,19 @@ class Watch:
     def __init__(self, events: dict[str, Event], system: Any, linear: Any, method: Any, tolerance: float):
         self._events, self._system, self._linear, self._method, self._tolerance = events, system, linear, method, tolerance
         self._found: dict[str, list[Instant]] = {name: [] for name in events}
-        self._lately: dict[str, deque[int]] = {name: deque(maxlen=LATELY) for name in events}
+        self._starts: deque[float] = deque(maxlen=LATELY)
         self._last: dict[str, float] = {}
         self.ended_by: str | None = None
+
+    @property
+    def seen(self) -> Seen:
+        return Seen({name: len(found) for name, found in self._found.items()}, dict(self._last))
+
+    def rewind(self, seen: Seen, starts: Sequence[float], events: Events | None = None) -> None:
+        """Back to what had been seen after steps from these times; of another run's events, if they are given."""
+        found = self._found if events is None else {name: [Instant(float(t), q, v) for t, q, v in zip(*events[name])] for name in self._events}
+        self._found = {name: list(instants[: seen.counts[name]]) for name, instants in found.items()}
+        self._starts, self._last, self.ended_by = deque(starts[-LATELY:], maxlen=LATELY), dict(seen.last), None
 
     @property
     def events(self) -> Events:
@@ -41,6 +75,7 @@ class Watch:
     def inspect(self, before: Any, attempt: Any) -> Any:
         """Records the events of an accepted step; where a terminal one is among them, gives the shorter step that ends with it."""
         step = _Step(self, before, attempt)
+        self._starts.append(before.t)
         found = [(t, name) for name in self._events for t in self._times(name, step)]
         for t, name in sorted(found):
             if self._events[name].terminal:
@@ -61,33 +96,21 @@ class Watch:
         self._last[name] = values[-1]
         found = crossings(np.array([x.t for x in step.rough]), values, lambda times: step.look(name, times), step.resolution)
         wanted = [t for t, way in found if self._events[name].direction in (0, way)]
-        lately = self._lately[name]
-        lately.append(len(wanted))
-        if sum(lately) > STORM:
-            advice = "Its function varies faster than the motion, or is zero but for rounding"
-            raise SimulationError(f"the event happened {sum(lately)} times in {len(lately)} steps", time=step.end, item=name, advice=advice)
+        lately = len(wanted) + sum(instant.t > self._starts[0] for instant in self._found[name][-STORM:])
+        if lately > STORM:
+            raise SimulationError(f"the event happened {lately} times in {len(self._starts)} steps", time=step.end, item=name, advice=STORMY)
         return wanted
 
     def value(self, name: str, instant: Instant) -> float:
         """The event's function at a state. Raises SimulationError where it fails."""
-        advice = "Correct the function of the event"
-        try:
-            value = self._events[name].function(instant)
-            number = np.asarray(value, dtype=float)
-        except Exception as error:
-            what = f"the event's function raised {type(error).__name__}: {error}"
-            raise SimulationError(what, time=instant.t, item=name, advice=advice) from error
-        if number.shape != () or isinstance(value, (bool, np.bool_)) or not np.isfinite(number):
-            what = f"the event's function returned {value!r}, expected a finite number that passes through zero"
-            raise SimulationError(what, time=instant.t, item=name, advice=advice)
-        return float(number)
+        return event_value(self._events[name], name, instant, instant.t)
 
     def inside(self, name: str, before: Any, after: Any, times: Array) -> list[Instant]:
         """States on the dense output."""
         try:
             q, v = self._method.inside(self._system, self._linear, before, after, times)
         except ArithmeticError as error:
-            raise SimulationError(str(error), time=before.t, item=name, advice="Try a smaller rtol") from error
+            raise SimulationError(str(error), time=before.t, item=name, advice=UNSEEN) from error
         return [Instant(*state) for state in zip(times.tolist(), q, v)]
 
     def _ending(self, name: str, step: _Step, t: float) -> Any:
@@ -113,7 +136,7 @@ class Watch:
             if attempt.state is not None and (attempt.error <= 1.0 or self._method.fixed is not None):
                 return attempt._replace(state=attempt.state._replace(t=t))
         what = f"the step that shall end with the event fails ({attempt.failure or 'its error is too large'})"
-        raise SimulationError(what, time=before.t, item=name, advice="Try a smaller rtol")
+        raise SimulationError(what, time=before.t, item=name, advice=UNENDED)
 
 
 class _Step:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -17,41 +17,70 @@ BATCH = 2**14
 """Coordinates at nodes that wait to be evaluated together: of small systems a step costs calls, not numbers."""
 
 
-class Work:
-    """Told of each step; nothing is evaluated where nothing does any work. ``jumps`` [k] are the times at which functions of time jump."""
+class Nodes(NamedTuple):
+    """The quadrature of a step: times [s], q, v [s, n], weights [s], and multipliers [s, m], if any."""
 
-    def __init__(self, system: System, jumps: Array):
+    t: Array
+    q: Array
+    v: Array
+    weights: Array
+    multipliers: Array | None
+
+
+class Pending(NamedTuple):
+    """Steps that wait to be evaluated, after so many that were: what is evaluated together matters to the last bit."""
+
+    done: int = 0
+    waiting: tuple[Nodes, ...] = ()
+
+
+class Work:
+    """Told of each step; nothing is evaluated where nothing does any work. ``jumps`` [k] are the times at which functions of time jump;
+    ``before`` is the work [k + 1] of steps done before, without those that wait."""
+
+    def __init__(self, system: System, jumps: Array, before: Array | None = None, waiting: tuple[Nodes, ...] = ()):
         self._system, self._jumps = system, jumps
-        self._steps: list[Array] = []
-        self._count, self._size = 0, 0
-        self._waiting: list[Attempt] = []
+        self._before = np.zeros(1) if before is None else before
+        self._new: list[Array] = []
+        self._done, self._waiting = len(self._before) - 1, waiting
+        self._size = sum(nodes.q.size for nodes in waiting)
 
     def __call__(self, attempt: Attempt) -> None:
-        self._count += 1
+        assert attempt.nodes is not None or not self._system.exchanges
+        nodes = Nodes(*(attempt.nodes or (np.zeros(0),) * 4), attempt.multipliers)
         if not self._system.exchanges:
-            return
-        assert attempt.nodes is not None
-        if not self._system.steady or self._system.driven:  # users' functions are called as time goes on, and from inside of the step
-            self._evaluate([attempt], from_inside(self._system, self._jumps, attempt.nodes[0][0], attempt.nodes[0][-1]))
-            return
-        self._waiting.append(attempt._replace(state=None))
-        self._size += attempt.nodes[1].size
-        if self._size > BATCH:
-            self._flush()
+            self._keep(1, np.zeros(1))
+        elif not self._system.steady or self._system.driven:  # users' functions are called as time goes on, and from inside of the step
+            self._keep(1, self._evaluated((nodes,), from_inside(self._system, self._jumps, nodes.t[0], nodes.t[-1])))
+        else:
+            self._waiting, self._size = (*self._waiting, nodes), self._size + nodes.q.size
+            if self._size > BATCH:
+                self._keep(len(self._waiting), self._evaluated(self._waiting, self._system))
+                self._waiting, self._size = (), 0
 
-    def done(self) -> Array:
+    @property
+    def pending(self) -> Pending:
+        return Pending(self._done, self._waiting)
+
+    def rewind(self, pending: Pending) -> None:
+        """Back to where this was pending, whatever was begun since."""
+        evaluated = pending.done - len(self._before) + 1
+        self._new = [np.concatenate((np.zeros(0), *self._new))[:evaluated]]
+        self._done, self._waiting = pending
+        self._size = sum(nodes.q.size for nodes in self._waiting)
+
+    def so_far(self) -> Array:
         """[steps + 1]: the work since the start [J]."""
-        self._flush()
-        return np.concatenate(([0.0], np.cumsum(np.concatenate(self._steps)) if self._steps else np.zeros(self._count)))
+        rest = [self._evaluated(self._waiting, self._system)] if self._waiting else []
+        return np.concatenate((self._before[:-1], np.cumsum(np.concatenate((self._before[-1:], *self._new, *rest)))))
 
-    def _flush(self) -> None:
-        if self._waiting:
-            self._evaluate(self._waiting, self._system)
-        self._waiting, self._size = [], 0
+    def _keep(self, count: int, values: Array) -> None:
+        self._new.append(values)
+        self._done += count
 
-    def _evaluate(self, steps: list[Attempt], system: System) -> None:
-        t, q, v, weights = (np.concatenate(parts) for parts in zip(*(step.nodes for step in steps if step.nodes)))
+    def _evaluated(self, steps: tuple[Nodes, ...], system: System) -> Array:
+        t, q, v, weights = (np.concatenate([getattr(step, name) for step in steps]) for name in ("t", "q", "v", "weights"))
         multipliers = None if steps[0].multipliers is None else np.concatenate([step.multipliers for step in steps])  # type: ignore[misc]
         power = weights * system.power(q, v, system.inputs(t), multipliers)
-        ends = np.cumsum([step.nodes[0].size for step in steps if step.nodes])
-        self._steps.append(np.add.reduceat(power, np.concatenate(([0], ends[:-1]))))
+        ends = np.cumsum([step.t.size for step in steps])
+        return np.add.reduceat(power, np.concatenate(([0], ends[:-1])))

@@ -97,6 +97,7 @@ class GaussCollocation:
 
     def __init__(self, stages: int, samples: int, step: float):
         self.fixed, self.table = step, gauss_lobatto(stages, samples)
+        self.order = self.table.order
         kept = "symplectic" if samples == stages else f"energy-preserving, {samples} samples"
         self.name = f"Gauss collocation, {stages} stages ({kept}, order {2 * stages})"
         c = self.table.c

@@ -71,6 +71,8 @@ class Memory(NamedTuple):
 class ChungHulbert:
     """The method. ``fixed`` is its step."""
 
+    order = 2
+
     def __init__(self, step: float, rho_inf: float, index: int):
         self.fixed, self.index = step, index
         self.name = f"generalized-alpha, index {index}, rho_inf {rho_inf:g} (order 2)"

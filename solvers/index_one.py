@@ -29,9 +29,11 @@ DENSE_UP_TO, DENSEST = 40, 300
 
 
 class Form(Protocol):
-    """A system for an explicit method: states w [2, ...], positions and velocities in the form's own coordinates; see ``Reduced``."""
+    """A system for an explicit method: states w [2, ...], positions and velocities in the form's own coordinates; see ``Reduced``.
+    ``m``: how many multipliers it finds."""
 
     shape: tuple[int, int]
+    m: int
 
     def enter(self, q: Array, v: Array) -> Array: ...
     def leave(self, w: Array) -> tuple[Array, Array]: ...
@@ -56,7 +58,7 @@ class Whole:
     """What both forms share whose states are w = (q, v) [2, n]."""
 
     def __init__(self, system: System, linear: Linear):
-        self.linear, self.levers, self.shape = linear, system.levers, (2, system.n)
+        self.linear, self.levers, self.shape, self.m = linear, system.levers, (2, system.n), system.m
 
     def enter(self, q: Array, v: Array) -> Array:
         return np.stack((q, v))

@@ -11,7 +11,7 @@ Newton's iterations and ``refined`` remove its trace from the solution.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,6 +140,10 @@ class Linear:
         """Solutions [..., n] and [..., m] from scaled, ordered unknowns [..., size]."""
         natural = x[..., self.place] * self.scale
         return natural[..., : self.n], natural[..., self.n :]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the factor that is kept: it is found again where it is asked for."""
+        return vars(self) | {"constant_factor": None}
 
     def soften(self) -> None:
         """From now on, redundant equations are allowed."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from .linear import Linear
 from .pace import Pace
@@ -11,25 +12,35 @@ from .protocol import Attempt, Integrator, State
 from .system import System
 
 
-@dataclass
-class Record:
-    """Accepted states of a run and what it cost."""
+class Counts(NamedTuple):
+    """What steps cost: accepted, rejected, failed ones, and Newton iterations."""
 
-    states: list[State]
     steps: int = 0
     rejected: int = 0
     failed: int = 0
     solves: int = 0
+
+
+@dataclass
+class Record:
+    """Accepted states of a run and what it cost; where it failed, why, and the equation most to blame (-1: none)."""
+
+    states: list[State]
+    counts: Counts = field(default_factory=Counts)
     failure: str = ""
     worst: int = -1
 
     def accept(self, state: State) -> None:
-        self.steps += 1
+        self.counts = self.counts._replace(steps=self.counts.steps + 1)
         self.states.append(state)
 
+    def tried(self, attempt: Attempt) -> None:
+        """The iterations of an attempt, accepted or not."""
+        self.counts = self.counts._replace(solves=self.counts.solves + attempt.solves)
+
     def refuse(self, attempt: Attempt) -> None:
-        self.failed += attempt.state is None
-        self.rejected += attempt.state is not None
+        failed, counts = attempt.state is None, self.counts
+        self.counts = counts._replace(failed=counts.failed + failed, rejected=counts.rejected + (not failed))
 
 
 def march(
@@ -37,39 +48,49 @@ def march(
     linear: Linear,
     method: Integrator,
     record: Record,
-    t_end: float,
+    state: State,
+    pace: Pace,
     tolerance: float,
-    first_step: float,
     *,
-    stops: Sequence[float] = (),
     note: Callable[[Attempt], None] = lambda attempt: None,
     watch: Callable[[State, Attempt], Attempt | None] = lambda before, attempt: None,
-) -> None:
-    """Steps from the record's last state to t_end. Stops early, with ``failure`` set, where steps become too short.
+) -> Iterator[State]:
+    """Steps from a state, the record's last one and what the method remembers there, to the end of the pace. Yields the state before each
+    step: there, and only there, all that goes on from it is consistent. Stops early, with ``failure`` set, where steps become too short.
 
-    stops  ascending times before t_end: steps end on them, and the next starts anew, as no forecast reaches across what may jump there
     note   is told of each step as it was recorded
     watch  sees each step before that; it may give a shorter one in its place, with which the run ends
     """
-    state = record.states[-1]
-    pace = Pace(state.t, (*stops, t_end), first_step, method.fixed)
+    t_end = pace.t_end
     while state.t < t_end:
+        yield state
+        tried = _accepted(system, linear, method, record, state, pace, tolerance)
+        if tried is None:
+            return
+        attempt, landed, stopped = tried
+        last = watch(state, attempt._replace(state=landed))
+        if last is not None and last.state is not None:
+            attempt, landed, t_end = last, last.state, last.state.t
+            record.tried(last)
+        record.accept(landed._replace(memory=method.kept(landed.memory)))
+        note(attempt)
+        state = landed._replace(memory=None) if stopped else landed  # no forecast reaches across what may jump at a stop
+
+
+def _accepted(
+    system: System, linear: Linear, method: Integrator, record: Record, state: State, pace: Pace, tolerance: float
+) -> tuple[Attempt, State, bool] | None:
+    """The first attempt that is accepted, the state where it lands, and whether on a stop; None where steps become too short."""
+    while True:
         h, stop = pace.offer(state.t)
         attempt = method.step(system, linear, state, h, tolerance)
-        record.solves += attempt.solves
+        record.tried(attempt)
         if attempt.state is not None and (attempt.error <= 1.0 or method.fixed is not None):
             landed = attempt.state if stop is None else attempt.state._replace(t=stop)
             pace.accepted(landed.t, h, attempt)
-            last = watch(state, attempt._replace(state=landed))
-            if last is not None and last.state is not None:
-                attempt, landed, t_end = last, last.state, last.state.t
-                record.solves += last.solves
-            record.accept(landed._replace(memory=method.kept(landed.memory)))
-            note(attempt)
-            state = landed if stop is None else landed._replace(memory=None)
-            continue
+            return attempt, landed, stop is not None
         record.refuse(attempt)
         pace.refused(h, attempt)
         if pace.exhausted(state.t):
             record.failure, record.worst = attempt.failure or "the estimated error stays above the tolerance", attempt.worst
-            break
+            return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,27 +17,41 @@ BELOW_FAILURE, RELAX = 0.7, 1.1
 """After a failed iteration steps stay below this share of the failed one; the limit relaxes by this factor with each easy step."""
 
 
+class Rhythm(NamedTuple):
+    """What the next steps depend on: where the run began (of fixed steps: their grid), the length planned, the limit after a failure, and
+    length and error of the last step, where they say something."""
+
+    start: float
+    h: float
+    ceiling: float = np.inf
+    last: tuple[float, float] | None = None
+
+
 class Pace:
     """The step sizes of one run: adaptive from a first step, or ``fixed`` on a grid to which it returns after a division.
 
-    Steps land on every one of the ``stops``, ascending times after the start; the last is the end.
+    Steps land on every one of the ``stops``, ascending times ahead; the last is the end. ``free`` until the end bends a step: so far
+    the run is the same as one that ends later.
     """
 
-    def __init__(self, t: float, stops: Sequence[float], first: float, fixed: float | None):
-        self.start, self.t_end, self.fixed = t, stops[-1], fixed
-        self.h = fixed or min(first, self.t_end - t)
+    def __init__(self, rhythm: Rhythm, stops: Sequence[float], fixed: float | None):
+        self.start, self.h, self._ceiling, self._last = rhythm
+        self.t_end, self.fixed, self.free = stops[-1], fixed, True
         self._stops = list(stops)
-        self._ceiling = np.inf
-        self._last: tuple[float, float] | None = None
+
+    @property
+    def rhythm(self) -> Rhythm:
+        """What a run that goes on from here is given."""
+        return Rhythm(self.start, self.h, self._ceiling, self._last)
 
     def offer(self, t: float) -> tuple[float, float | None]:
         """The step to try at t, and the stop that it lands on, if any: without a tiny last step."""
         remaining = self._stops[0] - t
-        if self.h >= remaining * (1.0 - 1e-10):
+        lands, nears = self.h >= remaining * (1.0 - 1e-10), self.fixed is None and self.h > 0.55 * remaining
+        self.free = self.free and not ((lands or nears) and len(self._stops) == 1)
+        if lands:
             return remaining, self._stops[0]
-        if self.fixed is None and self.h > 0.55 * remaining:
-            return 0.5 * remaining, None
-        return self.h, None
+        return (0.5 * remaining if nears else self.h), None
 
     def accepted(self, t: float, h: float, attempt: Attempt) -> None:
         """After a step of length h that ended at t."""

@@ -76,7 +76,8 @@ class RadauIIA:
 
     def __init__(self, stages: int, fixed: float | None = None, rtol: float = 1e-6):
         self.table, self.fixed, self.rtol = tableau(stages), fixed, rtol
-        self.name = f"Radau IIA, {stages} stages (order {self.table.order})"
+        self.order = self.table.order
+        self.name = f"Radau IIA, {stages} stages (order {self.order})"
         self.iterations = 8 + stages
 
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:

@@ -24,6 +24,9 @@ LARGEST = 2**15
 NEARLY_SINGULAR = 1e-4
 """Share of an equation's slope, squared, that those before it leave: below it multipliers are no longer trusted."""
 
+WEIGHTLESS = 1e-12
+"""Share of the largest inertia of a free coordinate, in scaled unknowns, below which another has none."""
+
 MANY = 100
 """Equations above which that share is the smaller, the more they are."""
 
@@ -52,9 +55,11 @@ def _basis(system: System, linear: Linear, gradient: Array) -> Array | None:
         return None
     free = np.ascontiguousarray((directions[:, rank:] * scale[:, None]).T)
     try:
-        return solve_triangular(cholesky(system.mass(free) @ free.T, lower=True), free, lower=True).T
+        root = cholesky(system.mass(free) @ free.T, lower=True)
     except LinAlgError:
         return None
+    pivots = root.diagonal()  # where there is no inertia rounding may be positive
+    return None if pivots.min(initial=np.inf) ** 2 < WEIGHTLESS * pivots.max(initial=0.0) ** 2 else solve_triangular(root, free, lower=True).T
 
 
 def _dense(system: System, values: Array) -> Array:

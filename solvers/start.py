@@ -25,6 +25,9 @@ CONSISTENT = 1e-13
 REDUNDANT = 1e-9
 """Singular values of the scaled G below this times the largest count as zero."""
 
+DOUBTFUL = 1e-13
+"""Estimated reciprocal condition of the mass KKT matrix below which singular values decide: of singular ones it may be above rounding."""
+
 
 class Defect(NamedTuple):
     """Equations that cannot be met, or are met twice: what is wrong with which rows."""
@@ -175,10 +178,12 @@ def scaled_gradient(system: System, linear: Linear, q: Array) -> Array:
 def redundancy(system: System, linear: Linear, q: Array) -> Defect | None:
     """The equations that are met twice at q, or the coordinates without inertia that nothing holds; None where all is regular.
     A matrix softened before tells nothing: then singular values alone decide."""
+    doubtful = linear.softened
     if not linear.softened:
         try:
-            mass_factor(system, linear, q)
-            return None
+            if mass_factor(system, linear, q).rcond > DOUBTFUL:
+                return None
+            doubtful = True
         except Singular:
             pass
     left, sizes, right = np.linalg.svd(scaled_gradient(system, linear, q))
@@ -188,7 +193,7 @@ def redundancy(system: System, linear: Linear, q: Array) -> Defect | None:
         weight = np.max(np.abs(left[:, rank:]), axis=1)
         rows = [int(row) for row in np.flatnonzero(weight > 1e-6)]
     coordinates = _loose(system, linear, right[rank:]) if rank < system.n else []
-    if linear.softened and not rows and not coordinates:
+    if doubtful and not rows and not coordinates:
         return None
     what = f"{system.m - rank} of {system.m} equations follow from the others" if rows else "no inertia and no joint determines them"
     return Defect(what, rows, coordinates)

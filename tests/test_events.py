@@ -275,7 +275,7 @@ def _raises(state: Any) -> float:
 FAULTS: dict[str, tuple[Callable[[Any], Any], str]] = {
     "raises": (_raises, "raised ZeroDivisionError: no event today"),
     "NaN": (lambda state: float("nan"), "returned nan"),
-    "vector": (lambda state: state.q, "returned array"),
+    "vector": (lambda state: state.q, "returned an array of shape"),
     "text": (lambda state: "low", "raised ValueError"),
     "None": (lambda state: None, "expected a finite number"),
     "truth": (lambda state: state.t > 0.3, "expected a finite number that passes through zero"),

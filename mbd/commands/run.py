@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import SimulationError
+from ..errors import Interrupted, SimulationError
 from .scenes import end_of, job_of, run_arguments, scene_arguments
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def run(options: argparse.Namespace) -> int:
     more: dict[str, Any] = {} if job.rtol is None else {"rtol": job.rtol}
     try:
         result = simulate(job.scene, end_of(job), solver=job.solver, progress=_shows_progress(options.progress), **more)
-    except SimulationError as error:
+    except (Interrupted, SimulationError) as error:
         if error.result is not None and len(error.result.t) > 1:
             _keep(error.result, job, options)
         raise

@@ -7,6 +7,7 @@ from scipy.special import ellipj, ellipk
 
 from mbd.solvers.linear import Linear
 from mbd.solvers.march import Record, march
+from mbd.solvers.pace import Pace, Rhythm
 from mbd.solvers.protocol import State
 from mbd.solvers.start import accelerations, mass_factor
 
@@ -80,10 +81,18 @@ def begin(system=None):
     return system, linear, Record([State(0.0, q, v, multipliers, np.zeros(0))]), a
 
 
+def marched(system, linear, method, record, t_end, tolerance, first_step):
+    """From the record's last state to t_end."""
+    state = record.states[-1]
+    pace = Pace(Rhythm(state.t, method.fixed or first_step), [t_end], method.fixed)
+    for _ in march(system, linear, method, record, state, pace, tolerance):
+        pass
+
+
 def run(method, t_end, tolerance=1e-9 * LENGTH):
     system, linear, record, a = begin()
     first_step = method.first_step(system, record.states[0], a, t_end, tolerance)
-    march(system, linear, method, record, t_end, tolerance, first_step)
+    marched(system, linear, method, record, t_end, tolerance, first_step)
     return system, linear, record
 
 
