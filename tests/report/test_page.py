@@ -201,6 +201,19 @@ def test_a_result_from_a_file_says_what_it_lost(run, tmp_path):
     assert "not to be had" in str(reader.data["plots"])
 
 
+def test_kinematics_have_a_report_too():
+    """With the work that the audit accounts for, and the call that it was."""
+    scene = mbd.Scene()
+    crank = scene.add(mbd.RigidBody.rod((0, 0), (1, 0), mass=1.0))
+    scene.add(mbd.Pin(crank.at(-0.5, 0), scene.ground.at(0, 0)))
+    scene.add(mbd.Motor(crank, scene.ground, angle=lambda t: t**2))
+    run = mbd.kinematics(scene, np.linspace(0.0, 1.0, 9))
+    reader = Reader(page(run, "x"))
+    assert "mbd.kinematics(scene, times)  # 9 from 0 to 1 s" in reader.text
+    imbalance = curves(plots(reader, "audit")["Imbalance of the energy"])["|energy - start - work|"]
+    assert max(imbalance) == pytest.approx(run.audit.energy_error, rel=1e-6) and run.audit.work > 1.0 and run.audit.energy_error < 1e-9
+
+
 def test_a_run_that_stopped_has_a_report():
     scene = mbd.Scene()
     body = scene.add(mbd.RigidBody.rod((0, 0), (1, 0), mass=1.0))
