@@ -86,7 +86,7 @@ def _energy(run: Result) -> Plot:
 
 def _drift(result: Result) -> list[Plot]:
     try:
-        told = histories(result.system, result.trajectory)
+        told = histories(result.system, result.accounted)
     except (LookupError, SimulationError) as error:  # functions of time that a file could not keep
         return [Plot("audit", "Drift of the joints", "relative", {}, note=f"not to be had: {error}")]
     t, (position, velocity, imbalance) = _worst(told)

@@ -138,16 +138,9 @@ def reproduction(result: Result) -> str:
     """What it takes to run it again: the call, the settings, the versions."""
     import scipy
 
-    pieces = result.trajectory.pieces()
-    solvers = list(dict.fromkeys(repr(piece.solver) for piece in pieces))
-    start, end, rtol = float(pieces[0].t[0]), float(result.trajectory.t[-1]), float(result.stats["rtol"])
-    options = [f"t_end={number(end)}", f"rtol={number(rtol)}"]
-    if len(solvers) == 1:
-        options.append(f"solver=mbd.{solvers[0]}")
-    if start:
-        options.append(f"start=mbd.State(q, v, t={number(start)})")
+    solvers = list(dict.fromkeys(repr(piece.solver) for piece in result.trajectory.pieces()))
     rows = [
-        ("run", f"<code>mbd.simulate(scene, {text(', '.join(options))})</code>"),
+        ("run", f"<code>{text(_call(result, solvers))}</code>"),
         ("solver", _listed(solvers, 6)),
         ("gravity", text(array(np.asarray(result.scene.gravity))) + " m/s²"),
         ("coordinates, equations", f"{result.system.n}, {result.system.m}"),
@@ -158,3 +151,14 @@ def reproduction(result: Result) -> str:
         ("report written", text(datetime.now().astimezone().isoformat(timespec="seconds"))),
     ]
     return table([(name, cell) for name, cell in rows])
+
+
+def _call(result: Result, solvers: Sequence[str]) -> str:
+    """The call that made it."""
+    start, end = float(result.trajectory.t[0]), float(result.trajectory.t[-1])
+    if "rtol" not in result.stats:
+        return f"mbd.kinematics(scene, times)  # {len(result.t)} from {number(start)} to {number(end)} s"
+    options = [f"t_end={number(end)}", f"rtol={number(float(result.stats['rtol']))}"]
+    options += [f"solver=mbd.{solvers[0]}"] if len(solvers) == 1 else []
+    options += [f"start=mbd.State(q, v, t={number(start)})"] if start else []
+    return f"mbd.simulate(scene, {', '.join(options)})"

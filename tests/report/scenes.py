@@ -43,7 +43,7 @@ def main_job() -> tuple[mbd.Result, str]:
     scene, rod, pivot = flexible_pendulum()
     run = mbd.simulate(scene, 1.2, rtol=1e-5)
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "run.html"
+        path = Path(folder) / "flexible pendulum.html"
         run.report(path, outputs={"rod.end": rod.end, "middle": rod.at(0.5), "pivot": pivot})
         return run, path.read_text(encoding="utf-8")
 

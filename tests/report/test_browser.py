@@ -326,14 +326,16 @@ def test_texts_of_the_page_do_not_overlap(page):
 def test_screenshots(desktop, phone, pages):
     folder = Path(os.environ["MBD_SCREENSHOTS"])
     folder.mkdir(parents=True, exist_ok=True)
-    for name, browser, page, t in (
-        ("report-desktop", desktop, "pendulum", 0.84),
-        ("report-phone", phone, "pendulum", 0.84),
-        ("report-space", desktop, "top", 0.15),
-        ("report-crank", desktop, "crank", 0.15),
+    for name, browser, page, t, top in (
+        ("report-desktop", desktop, "pendulum", 0.84, "header"),
+        ("report-phone", phone, "pendulum", 0.84, "header"),
+        ("report-space", desktop, "top", 0.15, "header"),
+        ("report-crank", desktop, "crank", 0.15, "header"),
+        ("report-plots", desktop, "pendulum", 0.84, "#plots"),
     ):
         browser.open(pages[page])
         browser.do("document.getElementById('ghosts').click(); mbdReport.seek(arguments[0])", t)
+        browser.do("document.querySelector(arguments[0]).scrollIntoView()", top)
         browser.driver.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
         browser.driver.save_screenshot(str(folder / f"{name}.png"))
         assert (folder / f"{name}.png").stat().st_size < 300_000

@@ -53,7 +53,7 @@ def test_it_loads_nothing(reader, run):
 def test_the_main_job_takes_less_than_three_megabytes():
     _, text = main_job()
     assert 100_000 < len(text.encode()) < 3_000_000
-    assert "<title>run</title>" in text and len(numbers(embedded(text)["times"], "<f8")) > 400
+    assert "<title>flexible pendulum</title>" in text and len(numbers(embedded(text)["times"], "<f8")) > 400
 
 
 def test_names_do_no_harm():
@@ -85,6 +85,18 @@ def test_points_and_outputs_are_the_motion(run, reader):
     np.testing.assert_allclose(curves(found["tip"])["y"], tip[:, 1], atol=1e-6)
     np.testing.assert_allclose(curves(found["turn"])["angle"], run.angle(run.scene["crank"], t=times), rtol=1e-6, atol=1e-6)
     assert list(curves(found["twice"])) == ["twice 1", "twice 2"]
+
+
+def test_far_from_the_origin_nothing_is_lost():
+    scene = mbd.Scene()
+    body = scene.add(mbd.RigidBody.rod((1e6, -2e6), (1e6 + 1, -2e6), mass=1.0))
+    scene.add(mbd.Pin(body.at(-0.5, 0), scene.ground.at(1e6, -2e6)))
+    run = mbd.simulate(scene, 0.3)
+    data = embedded(page(run, "x", {"end": body.at(0.5, 0)}))
+    times = numbers(data["times"], "<f8")
+    points = numbers(data["points"]).reshape(len(times), data["count"], 2) + data["origin"]
+    (index,) = next(shape[3] for shape in data["shapes"] if shape[2] == "output")
+    assert np.max(np.abs(points[:, index] - run.position(body.at(0.5, 0), t=times))) < 1e-6
 
 
 def test_energies_and_reactions_are_those_of_the_result(run, reader):
@@ -199,6 +211,19 @@ def test_a_result_from_a_file_says_what_it_lost(run, tmp_path):
     reader = Reader((tmp_path / "run.html").read_text(encoding="utf-8"))
     assert not reader.data["between"] and len(numbers(reader.data["times"], "<f8")) == len(run.t)
     assert "not to be had" in str(reader.data["plots"])
+
+
+def test_kinematics_have_a_report_too():
+    """With the work that the audit accounts for, and the call that it was."""
+    scene = mbd.Scene()
+    crank = scene.add(mbd.RigidBody.rod((0, 0), (1, 0), mass=1.0))
+    scene.add(mbd.Pin(crank.at(-0.5, 0), scene.ground.at(0, 0)))
+    scene.add(mbd.Motor(crank, scene.ground, angle=lambda t: t**2))
+    run = mbd.kinematics(scene, np.linspace(0.0, 1.0, 9))
+    reader = Reader(page(run, "x"))
+    assert "mbd.kinematics(scene, times)  # 9 from 0 to 1 s" in reader.text
+    imbalance = curves(plots(reader, "audit")["Imbalance of the energy"])["|energy - start - work|"]
+    assert max(imbalance) == pytest.approx(run.audit.energy_error, rel=1e-6) and run.audit.work > 1.0 and run.audit.energy_error < 1e-9
 
 
 def test_a_run_that_stopped_has_a_report():
