@@ -105,7 +105,8 @@ def _head(result: Result, progress: Progress, forks: list[Any]) -> dict[str, Any
         "coordinates": result.scene.coordinates(),
         "divided": stages[0].trajectory.part.system is not result.system,
         "parts": [
-            {"steps": len(stage.trajectory.t), "solver": _solver(stage.trajectory), "reason": stage.reason, "softened": stage.softened, "fork": fork}
+            {"steps": len(stage.trajectory.t), "solver": _solver(stage.trajectory), "fork": fork}
+            | {name: getattr(stage, name) for name in ("reason", "softened", "spent")}
             for stage, fork in zip(stages, forks)
         ],
         "plan": {"t": plan.start.t, "t_end": plan.t_end, "rtol": plan.rtol, "events": list(plan.events)},
@@ -228,7 +229,7 @@ def _stages(told: list[Any], parts: list[Part], pieces: list[dict[str, Array]], 
             raise ValueError("fork: expected one of the steps, found another time")
         linear = prepared(part.system, plan.start.q[part.columns], bool(data["softened"]), own["q"][0])
         steps = _trajectory(part, own, _rebuilt_solver(data["solver"]), linear, plan.rtol)
-        stages.append(Stage(steps, mark, bool(data["softened"]), str(data["reason"])))
+        stages.append(Stage(steps, mark, bool(data["softened"]), int(data["spent"]), str(data["reason"])))
     row.end()
     return stages
 
