@@ -157,7 +157,7 @@ class Scene(Displayed):
         stuck = [f"{type(item.description).__name__} {item.name!r}: {field}" for item in self.items for field in _stuck(item.description)]
         if stuck:
             found = "; ".join(stuck)
-            raise TypeError(f"scene: expected functions that can be pickled, of the top of a module, found others ({found}); define them there with def")
+            raise TypeError(f"scene: expected functions that can be pickled, of the top of a module, found others ({found}); define them there")
         return self._described()
 
     def _described(self) -> dict[str, Any]:
