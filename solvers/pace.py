@@ -35,8 +35,12 @@ class Pace:
         if self.h >= remaining * (1.0 - 1e-10):
             return remaining, self._stops[0]
         if self.fixed is None and self.h > 0.55 * remaining:
-            return 0.5 * remaining, None
-        return self.h, None
+            return self._on_clock(t, 0.5 * remaining), None
+        return self._on_clock(t, self.h), None
+
+    def _on_clock(self, t: float, h: float) -> float:
+        """The step that t + h is away as a number: late in a run h is far finer than the clock."""
+        return (t + h) - t if self.fixed is None else h
 
     def accepted(self, t: float, h: float, attempt: Attempt) -> None:
         """After a step of length h that ended at t."""
