@@ -24,12 +24,14 @@ if TYPE_CHECKING:
 
 
 class Leg(NamedTuple):
-    """What a part did: its steps, what they cost, what ended them before the time, and who looked for events."""
+    """What a part did: its steps, what they cost, what ended them before the time, who looked for events, and, where steps were fixed,
+    the sum of the errors estimated in them as a share of the length."""
 
     trajectory: Trajectory
     stats: dict[str, Any]
     trouble: SimulationError | None
     watch: Watch | None
+    coarseness: float = 0.0
 
 
 def travel(part: Part, start: Assembly, solver: Any, t_end: float, rtol: float, events: dict[str, Event], bar: Callable[[float], None] | None) -> Leg:
@@ -58,7 +60,8 @@ def travel(part: Part, start: Assembly, solver: Any, t_end: float, rtol: float, 
         "factorizations": linear.factorizations,
         "wall time": time.perf_counter() - clock,
     }
-    return Leg(Trajectory.of(part, record, work.done(), solver, method, linear), stats, trouble, watch)
+    coarseness = record.error * rtol if method.fixed is not None else 0.0
+    return Leg(Trajectory.of(part, record, work.done(), solver, method, linear), stats, trouble, watch, coarseness)
 
 
 def _march(

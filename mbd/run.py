@@ -70,6 +70,7 @@ def simulate(
         trouble.result = result
         raise trouble
     _warn_of_imbalance(result)
+    _warn_of_coarse_steps(legs)
     _warn_of_doubts(result)
     return result
 
@@ -147,6 +148,22 @@ def _warn_of_imbalance(result: Result) -> None:
                 SceneWarning,
                 stacklevel=3,
             )
+
+
+COARSE = 0.03
+"""The sum of the errors estimated in fixed steps, as a share of the length, above which a run is not to be trusted."""
+
+
+def _warn_of_coarse_steps(legs: Sequence[Leg]) -> None:
+    """Nothing controls fixed steps: their errors are added up instead."""
+    worst = max(leg.coarseness for leg in legs)
+    if worst > COARSE:
+        warnings.warn(
+            f"the fixed steps are too long: errors estimated in them add up to {worst:.2g} of the scene's length: "
+            "do not trust this run; take shorter steps or a solver with error control",
+            SceneWarning,
+            stacklevel=3,
+        )
 
 
 def _warn_of_doubts(result: Result) -> None:

@@ -13,18 +13,20 @@ from .system import System
 
 @dataclass
 class Record:
-    """Accepted states of a run and what it cost."""
+    """Accepted states of a run, what it cost, and the sum of the errors estimated in its steps, over the tolerance."""
 
     states: list[State]
     steps: int = 0
     rejected: int = 0
     failed: int = 0
     solves: int = 0
+    error: float = 0.0
     failure: str = ""
     worst: int = -1
 
-    def accept(self, state: State) -> None:
+    def accept(self, state: State, error: float) -> None:
         self.steps += 1
+        self.error += error
         self.states.append(state)
 
     def refuse(self, attempt: Attempt) -> None:
@@ -64,7 +66,7 @@ def march(
             if last is not None and last.state is not None:
                 attempt, landed, t_end = last, last.state, last.state.t
                 record.solves += last.solves
-            record.accept(landed._replace(memory=method.kept(landed.memory)))
+            record.accept(landed._replace(memory=method.kept(landed.memory)), attempt.error)
             note(attempt)
             state = landed if stop is None else landed._replace(memory=None)
             continue
