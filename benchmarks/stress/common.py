@@ -18,7 +18,8 @@ def share(found: Any, wanted: Any, scale: float) -> float:
 def audited(result: mbd.Result, error: float = 0.0) -> float:
     """The largest of an error, the energy's share that does not add up, and what joints are open by; infinite if anything is not a number."""
     audit = result.audit
-    energy = audit.energy_error / max(audit.energy_scale, 1e-9 * audit.energy_level) if audit.energy_level > 0.0 else 0.0
+    scale = max(audit.energy_scale, audit.moving_energy, 1e-9 * audit.energy_level)
+    energy = audit.energy_error / scale if scale > 0.0 else 0.0
     worst = max(error, energy, audit.position_drift, 1e-3 * audit.velocity_drift)
     return float(worst) if np.isfinite(worst) and np.isfinite(result.q).all() and np.isfinite(result.v).all() else np.inf
 

@@ -19,7 +19,7 @@ RIGHT, REFUSED, ANNOUNCED, SILENT, SLOW = "right", "refused", "announced", "SILE
 """Verdicts. ANNOUNCED: the result is wrong and a warning says so. SLOW: stopped at the patience of the sweep."""
 
 PATIENCE = 60.0
-"""Seconds that one level may take."""
+"""Seconds of processor time that one level may take."""
 
 
 class PeerFailure(Exception):
@@ -27,7 +27,7 @@ class PeerFailure(Exception):
 
 
 class Verdict(NamedTuple):
-    """Of one level: what came out, its error (None where nothing did), what was said, and the seconds it took."""
+    """Of one level: what came out, its error (None where nothing did), what was said, and the processor time it took [s]."""
 
     kind: str
     error: float | None = None
@@ -43,7 +43,7 @@ class Family:
     levels       from one extreme to the other;  nominal  the one that sweeps go out from;  wanted  those that have to be right
     bar          the largest error of a right result, as a share of the scene's scale
     run          the error of a level
-    quick        levels that take no time;  note  what a reader of the table should know
+    quick        levels that take no time;  note  what a reader of the table should know;  patience [s]
     """
 
     name: str
@@ -56,6 +56,7 @@ class Family:
     quick: Sequence[Level] = ()
     wanted: Sequence[Level] = ()
     note: str = ""
+    patience: float = PATIENCE
 
     @property
     def peer(self) -> Callable[[Any], Iterator[Callable[[], float]]] | None:
@@ -66,31 +67,31 @@ class Family:
 
 @contextmanager
 def at_most(seconds: float) -> Iterator[None]:
-    """Interrupts what takes longer, as Ctrl-C would."""
+    """Interrupts what takes more processor time, as Ctrl-C would."""
 
     def interrupt(number: int, frame: Any) -> None:
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGALRM, interrupt)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    before = signal.signal(signal.SIGVTALRM, interrupt)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+        signal.signal(signal.SIGVTALRM, before)
 
 
 def judged(family: Family, level: Level) -> Verdict:
     """mbd's run of a level. Errors that are not the library's own are not caught: they would be defects."""
-    clock = time.perf_counter()
+    clock = time.process_time()
 
     def verdict(kind: str, error: float | None = None, said: str = "") -> Verdict:
-        return Verdict(kind, error, said, time.perf_counter() - clock)
+        return Verdict(kind, error, said, time.process_time() - clock)
 
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            with at_most(PATIENCE):
+            with at_most(family.patience):
                 error = family.run(level)
         except mbd.SimulationError as failure:
             return verdict(SLOW if failure.what == "interrupted" else REFUSED, None, str(failure))
@@ -106,7 +107,7 @@ def judged(family: Family, level: Level) -> Verdict:
 
 def peer_judged(family: Family, level: Level) -> Verdict:
     """Exudyn's run: right if any of its settings is; silent if none is and one of them reported success."""
-    clock, errors, said = time.perf_counter(), [], ""
+    clock, errors, said = time.process_time(), [], ""
     runs = family.peer
     assert runs is not None
     for run in runs(level):
@@ -119,7 +120,7 @@ def peer_judged(family: Family, level: Level) -> Verdict:
             break
     best = min((e for e in errors if e == e), default=None)
     kind = REFUSED if not errors else RIGHT if best is not None and best <= family.bar else SILENT
-    return Verdict(kind, best, said, time.perf_counter() - clock)
+    return Verdict(kind, best, said, time.process_time() - clock)
 
 
 def reach(family: Family, verdicts: dict[Level, Verdict]) -> list[Level]:

@@ -3,6 +3,13 @@
 from __future__ import annotations
 
 from ..family import Family
-from . import ratios
+from . import frames, loads, ratios, settings, singular, sizes
 
-FAMILIES: tuple[Family, ...] = (*ratios.FAMILIES,)
+FAMILIES: tuple[Family, ...] = (
+    *ratios.FAMILIES,
+    *frames.FAMILIES,
+    *settings.FAMILIES,
+    *singular.FAMILIES,
+    *loads.FAMILIES,
+    *sizes.FAMILIES,
+)

@@ -25,7 +25,7 @@ def parallelogram(ratio: float) -> Attempts:
     return attempts(make, 1.5, 300, lambda x: share(x, of.parallelogram_end(ratio, 1.5), 1.0))
 
 
-def double(ratio: float) -> Attempts:
+def double_pendulum(ratio: float) -> Attempts:
     def make() -> Machine:
         mbs = empty()
         before = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=mbs.AddObject(items.ObjectGround())))

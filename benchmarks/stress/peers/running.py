@@ -11,6 +11,9 @@ import numpy as np
 from ...exudyn_scenes import Machine, cable, empty, items, node_position
 from ..family import PeerFailure
 
+SHORTEST = 1e-4
+"""How far its adaptive steps may shrink, as a share of the step given: runs that go below take minutes."""
+
 MAKE = Callable[[], Machine]
 Attempts = Iterator[Callable[[], float]]
 
@@ -24,6 +27,7 @@ def _settings(t_end: float, steps: int, sparse: bool) -> Any:
     for part in (settings.timeIntegration, settings.staticSolver):
         part.verboseMode, part.stepInformation = 0, 0
     settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = t_end, int(steps)
+    settings.timeIntegration.minimumStepSize = SHORTEST * t_end / steps
     return settings
 
 
@@ -40,15 +44,27 @@ def _finished(solve: Callable[[], bool], machine: Machine) -> np.ndarray:
     return machine.output()
 
 
-def dynamic(make: MAKE, t_end: float, steps: int, *, radius: float | None = 0.9, loose: bool = False, sparse: bool = False) -> np.ndarray:
-    """The output after generalized-alpha with a spectral radius (None: the trapezoidal rule, index 2), adaptive as by default."""
+def dynamic(
+    make: MAKE,
+    t_end: float,
+    steps: int,
+    *,
+    radius: float | None = 0.9,
+    loose: bool = False,
+    newton: tuple[float, float] | None = None,
+    sparse: bool = False,
+    start: float = 0.0,
+) -> np.ndarray:
+    """The output t_end after the start, by generalized-alpha with a spectral radius (None: the trapezoidal rule, index 2), with its adaptive
+    steps; Newton's relative and absolute tolerances by default, given, or loose."""
     machine, settings = make(), _settings(t_end, steps, sparse)
-    newton = settings.timeIntegration.newton
-    if loose:
-        newton.relativeTolerance, newton.absoluteTolerance = 1e-6, 1e-5
+    integration = settings.timeIntegration
+    integration.startTime, integration.endTime = start, start + t_end
+    if newton or loose:
+        integration.newton.relativeTolerance, integration.newton.absoluteTolerance = newton or (1e-6, 1e-5)
     solver = exu.DynamicSolverType.TrapezoidalIndex2
     if radius is not None:
-        settings.timeIntegration.generalizedAlpha.spectralRadius, solver = radius, exu.DynamicSolverType.GeneralizedAlpha
+        integration.generalizedAlpha.spectralRadius, solver = radius, exu.DynamicSolverType.GeneralizedAlpha
     return _finished(lambda: machine.system.SolveDynamic(settings, solverType=solver, showHints=False), machine)
 
 
