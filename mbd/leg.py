@@ -168,5 +168,6 @@ class Leg:
             "newton iterations": counts.solves,
             "factorizations": self.linear.factorizations,
             "wall time": self._seconds,
+            "coarseness": self._aim.rtol * counts.error if self.method.fixed is not None else 0.0,
             "reason": self.reason,
         }

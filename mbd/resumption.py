@@ -19,7 +19,7 @@ from .leg import Aim, Back, Leg
 from .parts import Part
 from .progress import Plan, Progress, Stage
 from .result import Result
-from .run import checked_times, finished, warn_of_doubts, warn_of_imbalance
+from .run import checked_times, finished, warn_of_coarse_steps, warn_of_doubts, warn_of_imbalance
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -66,6 +66,7 @@ def resume(
     assembly = replace(result.assembly, linear=legs[0].linear) if len(legs) == 1 else result.assembly
     whole = finished(Course(own, plan, assembly, legs), progress, kept)
     warn_of_imbalance(whole)
+    warn_of_coarse_steps(whole)
     warn_of_doubts(whole)
     return whole
 
