@@ -96,7 +96,7 @@ def verify(
 
     outputs  names, each with a marker (its position), a body (its angle, in space its rotation [rad]), a joint (force and moment of its
              reaction), or a function of a mbd.Result that returns [n_t] or [n_t, k] at its times
-    rtol     as of ``simulate``; further runs take 100 rtol and about rtol/10, and the tightest is the result. Solvers with fixed steps take
+    rtol     as of ``simulate``; further runs take 1000 rtol and about rtol/10, and the tightest is the result. Solvers with fixed steps take
              twice and half of theirs
     meshes   True: runs on two other meshes as well, with half and twice as many elements in all beams (where a number is odd, twice and four
              times), each for a price of its own. Or a function that makes a scene and its outputs for a factor 0.5 and 2 of all elements: needed
@@ -142,7 +142,7 @@ def _values(watched: list[Output], runs: Compared) -> list[tuple[Output, Values]
     found = []
     for output in watched:
         coarse = None if runs.coarse is None else output.values(runs.coarse)
-        values = Values(runs.times, coarse, runs.seldom, output.values(runs.middle), output.values(runs.fine))
+        values = Values(runs.times, coarse, runs.seldom, output.values(runs.middle), output.values(runs.fine), runs.density)
         if not output.optional or np.any(values.fine):
             found.append((output, values))
     return found
