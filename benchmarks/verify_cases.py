@@ -17,7 +17,7 @@ Array = np.ndarray
 Exact = Callable[[Array], Array]
 
 RTOLS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
-BEAM_RTOLS = RTOLS[1:5]
+BEAM_RTOLS = RTOLS[1:4]
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ Values between steps cost as much as steps: runs are compared at steps of the fi
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 LOOSER, TIGHTER, LOOSEST, TIGHTEST = 1000.0, 10.0, 1e-3, 1e-14
 APART = 30.0
 """The coarsest run's tolerance is at least so many times rtol, or there is none."""
+SHORT = 20
+"""Steps: shorter runs leave nothing to pay a third one with."""
 SPENT, IN_ALL = 2.8, 3.15
 """Work of all runs over that of the one asked for, by forecast, and with their comparison."""
 FEWEST, MOST = 6, 400
@@ -83,13 +85,20 @@ def climb(scene: Scene, t_end: float, rtol: float, solver: Any, t_eval: ArrayLik
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # all runs would warn of the same
         coarse = min(LOOSER * rtol, LOOSEST) if step is None else 2.0 * middle
-        first: Result | None = None
-        if step is not None or coarse >= APART * rtol:
-            with suppress(SimulationError):
-                first = run(coarse)
+        worth = step is not None or (coarse >= APART * rtol and result.stats["steps"] >= SHORT)
+        first = _unless_it_fails(run, coarse) if worth else None
         fine = max(middle / _factor(first, result, coarse / rtol), TIGHTEST) if step is None else 0.5 * middle
         finest = run(fine, t_eval, _alike(scene, solver, rtol))
     return Ladder(first, (result, finest), (coarse, middle, fine), _order(solver, rtol) if step is not None else None)
+
+
+def _unless_it_fails(run: Callable[[float], Result], setting: float) -> Result | None:
+    try:
+        return run(setting)
+    except SimulationError as stop:
+        if stop.what == "interrupted":
+            raise
+        return None
 
 
 def _alike(scene: Scene, solver: Any, rtol: float) -> Any:
