@@ -52,9 +52,9 @@ def _advice(report: Verification) -> list[str]:
     exponent, exponential = report.growth
     if not exponential:
         return ["beyond, errors exceed a tenth of an output's range: try a smaller rtol, or a smaller step"]
-    needed = report.settings[1] * float(np.exp(-min(exponent * (t[-1] - until), 700.0)))
+    needed = report.settings[-2] * float(np.exp(-min(exponent * (t[-1] - until), 700.0)))
     if report.fixed:
-        return [f"t = {t[-1]:.4g} s needs errors {needed / report.settings[1]:.0e} times as large"]
+        return [f"t = {t[-1]:.4g} s needs errors {needed / report.settings[-2]:.0e} times as large"]
     if needed >= 1e-13:
         return [f"t = {t[-1]:.4g} s needs about rtol {needed:.0e}"]
     return [f"t = {t[-1]:.4g} s is out of reach of any tolerance, as rounding grows as much"]
