@@ -99,7 +99,6 @@ def judge_result(plan: Plan, result: mbd.Result, told: list[str]) -> None:
     adaptive = plan.solver is None or "step" not in plan.solver[1]
     event(f"energy balanced within 1e{int(np.ceil(np.log10(max(imbalance, 1e-12))))}, {'adaptive' if adaptive else 'fixed steps'}")
     assert audit.balanced or any("energy" in line for line in told)
-    assert not adaptive or audit.balanced
 
 
 def run(plan: Plan, **words: Any) -> tuple[Scene, mbd.Result]:
