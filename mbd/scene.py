@@ -210,8 +210,8 @@ class Site:
     def rows(self, q: ArrayLike, v: ArrayLike, levers: ArrayLike, labels: list[str]) -> NDArray[np.intp]:
         return self.scene.layout.rows(self.name, q, v, levers, labels)
 
-    def scalar(self, value: float, rate: float, label: str) -> int:
-        return self.scene.layout.scalar(self.name, value, rate, label)
+    def scalar(self, value: float, rate: float, label: str, length: bool = False) -> int:
+        return self.scene.layout.scalar(self.name, value, rate, label, length)
 
 
 class Ground:
