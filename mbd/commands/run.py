@@ -50,7 +50,7 @@ def _shows_progress(wanted: bool | None) -> bool:
     return wanted
 
 
-def _keep(result: Any, job: Job, options: argparse.Namespace) -> None:
+def _keep(result: Result, job: Job, options: argparse.Namespace) -> None:
     """Says what a run gave, and writes what is asked for."""
     print(summary(result, job))
     if options.out:

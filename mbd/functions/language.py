@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import math
 import operator
+import re
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -52,6 +53,7 @@ COMPARISONS: dict[type, Callable[[float, float], bool]] = {
     ast.GtE: operator.ge,
 }
 Closure = Callable[[Sequence[Any]], Any]
+PLAIN = re.compile(r" *-?\d+(?:\.\d*)?(?:[eE][-+]?\d+)? *", re.ASCII)
 
 
 class Formula(NamedTuple):
@@ -80,6 +82,8 @@ def names_in(text: str) -> set[str]:
 
 def number(text: str, constants: Mapping[str, float] | None = None) -> float:
     """The value of a formula without variables. Raises ValueError."""
+    if PLAIN.fullmatch(text) and math.isfinite(value := float(text)):
+        return value  # what is a number already needs no parser
     return finite(parse(text, (), constants).closure, ())
 
 
@@ -115,9 +119,9 @@ def _tree(text: str) -> ast.expr:
             tree = ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise ValueError(f"expected a formula such as '2 * L', found {_short(text)} ({getattr(error, 'msg', None) or error})") from error
-    level: list[ast.AST] = [tree]
-    for _ in range(DEEPEST):
-        level = [child for node in level for child in ast.iter_child_nodes(node)]
+    level, depth = [tree], 0
+    while level and depth < DEEPEST:
+        level, depth = [child for node in level for child in ast.iter_child_nodes(node)], depth + 1
     if level:
         raise ValueError(f"expected at most {DEEPEST} operations within each other, found more in {_short(text)}")
     return tree
