@@ -11,11 +11,12 @@ import numpy as np
 
 from ..affine import Array
 from ..audit import History, histories
-from ..errors import SceneWarning, SimulationError
+from ..errors import SceneWarning
 from ..joints.measures import PlacedMeasure
 from ..joints.placed import Placed
 from ..marker import Marker
 from ..result import Result
+from .frames import LOST
 
 JOINTS = 6
 """So many joints are plotted where none is chosen."""
@@ -71,7 +72,7 @@ def _moving(result: Result, most: int = 4) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for item in result.scene.items:
         name, marker = (f"{item.name}.end", item.end) if hasattr(item, "end") else (item.name, item.at() if hasattr(item, "at") else None)
-        if marker and np.ptp(result.position(marker), axis=0).max() > 1e-6 * result.system.length:
+        if marker and np.ptp(marker.point.value(result.trajectory.q), axis=0).max() > 1e-6 * result.system.length:
             found[name] = marker
         if len(found) == most:
             break
@@ -87,7 +88,7 @@ def _energy(run: Result) -> Plot:
 def _drift(result: Result) -> list[Plot]:
     try:
         told = histories(result.system, result.accounted)
-    except (LookupError, SimulationError) as error:  # functions of time that a file could not keep
+    except LOST as error:
         return [Plot("audit", "Drift of the joints", "relative", {}, note=f"not to be had: {error}")]
     t, (position, velocity, imbalance) = _worst(told)
     energy = Plot("audit", "Imbalance of the energy", "J", {"|energy - start - work|": imbalance}, t, log=True)
@@ -139,7 +140,7 @@ def _reactions(run: Result, chosen: dict[str, Any]) -> list[Plot]:
     for name, joint in joints.items():
         try:
             found += _reaction(run, name, joint)
-        except (LookupError, SimulationError) as error:  # functions of time that a file could not keep
+        except LOST as error:
             return [Plot("reactions", "Reactions", "", {}, note=f"not to be had: {error}")]
     if found and len(every) > len(joints):
         found[-1].note += f" {len(every) - len(joints)} more joints are not shown: name them in outputs=."

@@ -58,6 +58,14 @@ def heavy_top() -> mbd.Result:
     return mbd.simulate(scene, 0.2)
 
 
+@cache
+def long_named() -> mbd.Result:
+    """A body whose name has no place to break."""
+    scene = mbd.Scene()
+    scene.add(mbd.RigidBody(mass=1.0, inertia=1.0, position=(0, 0), name="b" * 150))
+    return mbd.simulate(scene, 0.1)
+
+
 class Reader(HTMLParser):
     """Elements by tag with their attributes, the text of each kind, and whether tags close in order."""
 

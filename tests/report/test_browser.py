@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .scenes import heavy_top, main_job, slider_crank
+from .scenes import heavy_top, long_named, main_job, slider_crank
 
 webdriver = pytest.importorskip("selenium.webdriver", reason='selenium is not installed: pip install "mbd[test]"')
 
@@ -87,6 +87,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     (folder / "pendulum.html").write_text(text, encoding="utf-8")
     heavy_top().report(folder / "top.html", outputs={"top": heavy_top().scene["top"].at()})
     slider_crank().report(folder / "crank.html")
+    long_named().report(folder / "names.html", outputs={"n" * 150: long_named().scene["b" * 150], "f" * 150: lambda run: run.q}, title="t" * 150)
     (folder / "notebook.html").write_text(f"<!DOCTYPE html><body>{slider_crank()._repr_html_()}</body>", encoding="utf-8")
     return {path.stem: path for path in folder.iterdir()}
 
@@ -299,7 +300,7 @@ def test_dark_is_readable(page):
         page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 
 
-@pytest.mark.parametrize("name", ["pendulum", "top", "crank"])
+@pytest.mark.parametrize("name", ["pendulum", "top", "crank", "names"])
 def test_a_phone_shows_it_without_scrolling_aside(phone, pages, name):
     phone.open(pages[name])
     document, window = phone.width()

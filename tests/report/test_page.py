@@ -147,6 +147,14 @@ def test_what_moves_is_followed_where_nothing_is_chosen(run):
     assert joints == {"bearing", "crank pin", "block pin", "slide", "motor"}
 
 
+def test_the_times_of_a_result_do_not_matter():
+    """The animation is of the whole run, whatever t_eval asked for."""
+    run = mbd.simulate(double_pendulum()[0], 0.3, t_eval=[0.3])
+    data = embedded(page(run, "x"))
+    assert numbers(data["times"], "<f8")[[0, -1]].tolist() == [0.0, 0.3] and len(run.t) == 1
+    assert [shape[0] for shape in data["shapes"] if shape[2] == "output"] == ["particle 1", "particle 2"]
+
+
 def test_space(tmp_path):
     run = heavy_top()
     reader = Reader(page(run, "top", {"top": run.scene["top"], "rim": run.scene["top"].at(0.1, 0, 0), "tip": run.scene["tip"]}))
