@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 import mbd
-from mbd.verify_outputs import Output, outputs_of
-from mbd.verify_runs import sampled
+from mbd.verification.outputs import Output, outputs_of
+from mbd.verification.runs import sampled
 
 from . import report
 from .tables import table

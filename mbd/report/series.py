@@ -14,7 +14,7 @@ from ..audit import History, histories
 from ..errors import SceneWarning
 from ..joints.measures import PlacedMeasure
 from ..joints.placed import Placed
-from ..marker import Marker
+from ..outputs import check, measure, series
 from ..result import Result
 from .frames import LOST
 
@@ -39,7 +39,7 @@ class Plot:
 
 def plots(result: Result, run: Result, outputs: dict[str, Any], verification: Any = None) -> list[Plot]:
     """All plots of a result; ``run``: the same at the frames."""
-    shown = [_output(run, name, item) for name, item in outputs.items() if not is_joint(item) or hasattr(item, "coordinate")]
+    shown = [_output(run, name, item) for name, item in outputs.items() if not is_joint(item) or measure(item)]
     chosen = {name: item for name, item in outputs.items() if is_joint(item)}
     return [_energy(run), *_drift(result), *_errors(verification), *shown, *_reactions(run, chosen)]
 
@@ -49,22 +49,12 @@ def is_joint(item: Any) -> bool:
     return isinstance(item, Placed) and not isinstance(item, PlacedMeasure)
 
 
-def checked(result: Result, outputs: Any) -> dict[str, Any]:
-    """The outputs by name; where none are given, what moves. Raises ValueError for what cannot be shown, all at once."""
-    if outputs is None:
+def checked(result: Result, wanted: Any) -> dict[str, Any]:
+    """The outputs by name; where none are given, what moves. Raises SceneError for what cannot be shown, all at once."""
+    if wanted is None:
         return _moving(result)
-    wrong = [] if isinstance(outputs, dict) else ["expected a dict of names, {'tip': rod.end}"]
-    for name, item in outputs.items() if not wrong else []:
-        if not (isinstance(name, str) and name):
-            wrong.append(f"expected a text for a name, found {name!r}")
-        fits = isinstance(item, Marker) or is_joint(item) or hasattr(item, "coordinate") or hasattr(item, "axes") or callable(item)
-        if not fits:
-            wrong.append(f"{name!r}: expected a marker, joint, drive, measure or body of the scene, or a function of the result, found {item!r}")
-        elif not callable(item) and (item.scene if isinstance(item, Marker) else item.site.scene) is not result.scene:
-            wrong.append(f"{name!r}: expected something of the scene that ran, found {item!r} of another")
-    if wrong:
-        raise ValueError("report: outputs: " + "; ".join(wrong))
-    return dict(outputs)
+    check(result.scene, wanted)
+    return dict(wanted)
 
 
 def _moving(result: Result, most: int = 4) -> dict[str, Any]:
@@ -113,23 +103,10 @@ def _worst(told: Sequence[History]) -> tuple[Array, Array]:
 
 
 def _output(run: Result, name: str, item: Any) -> Plot:
-    if isinstance(item, Marker):
-        return Plot("outputs", name, "m", dict(zip("xyz", run.position(item).T)))
-    if callable(item):
-        return Plot("outputs", name, "", _columns(name, item(run), len(run.t)))
-    if hasattr(item, "coordinate"):
-        return Plot("outputs", name, getattr(item.description, "unit", "m"), {item.description.kind: run.q[:, item.coordinate]})
-    if run.system.dimension == 2:
-        return Plot("outputs", name, "rad", {"angle": run.angle(item)})
-    return Plot("outputs", name, "rad/s", {f"angular velocity {axis}": values for axis, values in zip("xyz", run.angular_velocity(item).T)})
-
-
-def _columns(name: str, values: Any, count: int) -> dict[str, Array]:
-    """What a user's function gave, as curves."""
-    array = np.asarray(values, dtype=float)
-    if array.ndim not in (1, 2) or len(array) != count:
-        raise ValueError(f"report: outputs: {name!r}: expected a function of the result to [n_t] or [n_t, k] at its t, found shape {array.shape}")
-    return {name: array} if array.ndim == 1 else {f"{name} {k + 1}": column for k, column in enumerate(array.T)}
+    one = next(iter(series(run, {name: item})))
+    stem = "" if one.what == "position" else one.what or name
+    labels = [" ".join(filter(None, (stem, component))) for component in one.components]
+    return Plot("outputs", name, one.unit, dict(zip(labels, one.values.T)))
 
 
 def _reactions(run: Result, chosen: dict[str, Any]) -> list[Plot]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mbd.verify_estimates import CAUTIOUS, LOST, Values, envelope, estimate, growth, order_of, plausible
+from mbd.verification.estimates import CAUTIOUS, LOST, Values, envelope, estimate, growth, order_of, plausible
 
 T = np.linspace(0.0, 2.0, 41)
 EXACT = np.stack((np.cos(T), np.sin(T)), axis=1)

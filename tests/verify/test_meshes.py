@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import mbd
-from mbd.verify_meshes import carried, doublings, remeshed
+from mbd.verification.meshes import carried, doublings, remeshed
 
 from .. import machines
 

@@ -38,7 +38,7 @@ def test_simple_pendulum(rtol: float) -> None:
 
 @pytest.mark.parametrize("name", ["free fall", "oscillator", "free top", "rolling disc"])
 def test_closed_forms(name: str) -> None:
-    from mbd.verify_outputs import outputs_of
+    from mbd.verification.outputs import outputs_of
 
     case = BY_NAME[name]
     scene, outputs = case.build()
@@ -169,7 +169,7 @@ def test_the_report_reads_as_a_table() -> None:
 def test_complaints_come_together() -> None:
     scene, outputs = simple_pendulum()
     _, other = double_pendulum()
-    with pytest.raises(ValueError, match=r"outputs: far: .*another") as caught:
+    with pytest.raises(ValueError, match=r"outputs: 'far': .*another") as caught:
         mbd.verify(scene, 1.0, outputs={"far": other["tip"], "what": 3.0, "ground": scene.ground})
     assert len(str(caught.value).splitlines()) == 3
     for wrong in ({}, outputs["bob"], None):

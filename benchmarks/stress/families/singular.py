@@ -50,7 +50,7 @@ def _transmission(angle: float, excess: float) -> float:
 @cache
 def crank_angle(excess: float) -> float:
     """After CRANK_END seconds: time is the integral of sqrt(inertia), energy being constant."""
-    ends = [0.5 * np.pi * k for k in range(0, 12)]
+    ends = [0.5 * np.pi * k for k in range(12)]
 
     def duration(a: float, b: float) -> float:
         at = quad(lambda x: np.sqrt(1.0 + _transmission(x, excess) ** 2), a, b, limit=400, epsabs=1e-13, epsrel=1e-12, points=None)

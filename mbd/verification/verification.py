@@ -1,6 +1,6 @@
 """``verify``: a result with an estimated error of each output, or the reason why none can be quoted.
 
-The runs are those of ``verify_runs.py``; what their differences say is in ``verify_estimates.py``, other meshes in ``verify_mesh_error.py``.
+The runs are those of ``runs.py``; what their differences say is in ``estimates.py``, other meshes in ``mesh_error.py``.
 """
 
 from __future__ import annotations
@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .affine import Array
-from .result import Result
-from .state import State
-from .verify_estimates import Estimate, Growth, Values, envelope, estimate, growth, plausible
-from .verify_mesh_error import Build, Mesh, MeshEstimate, mesh_estimate, other_meshes
-from .verify_outputs import Output, outputs_of
-from .verify_runs import Compared, Ladder, climb, compared
+from ..affine import Array
+from ..result import Result
+from ..state import State
+from .estimates import Estimate, Growth, Values, envelope, estimate, growth, plausible
+from .mesh_error import Build, Mesh, MeshEstimate, mesh_estimate, other_meshes
+from .outputs import Output, outputs_of
+from .runs import Compared, Ladder, climb, compared
 
 if TYPE_CHECKING:
-    from .scene import Scene
+    from ..scene import Scene
 
 
 class Row(NamedTuple):
@@ -76,7 +76,7 @@ class Verification:
         return min(row.until for row in self.rows)
 
     def __str__(self) -> str:
-        from .verify_text import text
+        from .text import text
 
         return text(self)
 

@@ -19,14 +19,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .affine import Array
-from .errors import SimulationError
-from .result import Result
-from .run import simulate
-from .state import State
+from ..affine import Array
+from ..errors import SimulationError
+from ..result import Result
+from ..run import simulate
+from ..state import State
 
 if TYPE_CHECKING:
-    from .scene import Scene
+    from ..scene import Scene
 
 LOOSER, TIGHTER, LOOSEST, TIGHTEST = 1000.0, 10.0, 1e-3, 1e-14
 APART = 30.0
@@ -103,7 +103,7 @@ def _unless_it_fails(run: Callable[[float], Result], setting: float) -> Result |
 
 def _alike(scene: Scene, solver: Any, rtol: float) -> Any:
     """The solver with the stages that it takes at rtol: with more of them, errors would fall by far more than the tolerance."""
-    from .solvers import Radau
+    from ..solvers import Radau
     from .solvers.automatic import default
 
     adaptive = Radau()

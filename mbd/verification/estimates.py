@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .affine import Array
+from ..affine import Array
 
 CAUTIOUS, POWER = 0.3, 0.5
 """Of the tolerance: errors are taken to fall as fast as observed between these powers, where nothing could be observed like the first."""
