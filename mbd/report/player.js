@@ -46,7 +46,7 @@ const toggle = () => (clock.playing ? pause() : play());
 
 /** Speeds around the one at which the run takes some seconds. */
 function speeds() {
-  const near = Number((span / 8 || 1).toPrecision(1)), usual = span > 4 && span < 20 ? 1 : near;
+  const usual = Number((span > 4 && span < 20 ? 1 : roundStep(span / 8 || 1, 1)).toPrecision(1));
   const all = [0.1, 0.2, 0.5, 1, 2, 5, 10].map((k) => Number((k * usual).toPrecision(1)));
   if (!all.includes(1)) all.push(1);
   for (const value of all.sort((a, b) => a - b)) {
