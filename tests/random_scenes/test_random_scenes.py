@@ -9,17 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import HealthCheck, given, seed, settings
 
 from .plans import Plan
 from .properties import PROPERTIES, judge_result, outcome
 from .strategies import plans
 
-ALL = list(HealthCheck)
 ROUNDS, EACH = 52, 25
 """Rounds of the slow group, and scenes in each."""
 
-LIKE = {"deadline": None, "database": None, "suppress_health_check": ALL, "print_blob": True}
+LIKE = {"deadline": None, "database": None, "suppress_health_check": list(HealthCheck), "print_blob": True}
 
 
 def runs_or_says_why(plan: Plan) -> None:
@@ -28,11 +27,11 @@ def runs_or_says_why(plan: Plan) -> None:
         judge_result(plan, result, told)
 
 
-def checked(judge: Callable[[Plan], None], count: int, start: int, compare: bool, phases: tuple[Phase, ...] = tuple(Phase)) -> None:
+def checked(judge: Callable[[Plan], None], count: int, start: int, compare: bool) -> None:
     """So many scenes of one seed."""
 
     @seed(start)
-    @settings(max_examples=count, phases=phases, **LIKE)
+    @settings(max_examples=count, **LIKE)
     @given(plans(adaptive=compare, most=3 if compare else 4))
     def scenes(plan: Plan) -> None:
         judge(plan)
