@@ -97,12 +97,13 @@ def _sections(result: Result, verification: Any) -> list[tuple[str, str, bool]]:
 
     found = [("Audit", _safely(lambda: words.audit(result.audit)), True)]
     if verification is not None:
-        found.append(("Error estimates", f'<div class="wide"><pre>{text(verification)}</pre></div>', True))
+        found.append(("Error estimates", words.verification(verification), True))
     found.append(("Structure", _safely(lambda: words.structure(check(result.scene, result.assembly.state))), True))
     found.append(("Solver statistics", words.statistics(result.stats), True))
     if result.events:
         found.append(("Events", words.events(result), True))
     found.append((f"Scene: {len(result.scene.items)} items", words.items(result.scene), False))
+    found.append(("Scene file", words.scene_file(result.scene), False))
     found.append(("Reproduction", words.reproduction(result), False))
     return found
 

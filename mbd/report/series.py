@@ -16,6 +16,7 @@ from ..joints.measures import PlacedMeasure
 from ..joints.placed import Placed
 from ..outputs import check, measure, series
 from ..result import Result
+from ..verification.verification import Verification
 from .frames import LOST
 
 JOINTS = 6
@@ -37,7 +38,7 @@ class Plot:
     note: str = ""
 
 
-def plots(result: Result, run: Result, outputs: dict[str, Any], verification: Any = None) -> list[Plot]:
+def plots(result: Result, run: Result, outputs: dict[str, Any], verification: Verification | None = None) -> list[Plot]:
     """All plots of a result; ``run``: the same at the frames."""
     shown = [_output(run, name, item) for name, item in outputs.items() if not is_joint(item) or measure(item)]
     chosen = {name: item for name, item in outputs.items() if is_joint(item)}
@@ -142,18 +143,12 @@ def _reaction(run: Result, name: str, joint: Any) -> list[Plot]:
     return shown
 
 
-def _errors(verification: Any) -> list[Plot]:
-    """Estimated errors of outputs over time, a plot for each unit, where a verification has them."""
-    t, errors = getattr(verification, "t", None), getattr(verification, "errors", None)
-    if t is None or not isinstance(errors, dict):
+def _errors(verification: Verification | None) -> list[Plot]:
+    """Estimated errors of outputs over time, a plot for each unit."""
+    if verification is None:
         return []
-    times = np.asarray(t, dtype=float)
-    units = {row.output: row.unit for row in getattr(verification, "rows", ()) if hasattr(row, "output") and hasattr(row, "unit")}
     found: dict[str, Plot] = {}
-    for name, values in errors.items():
-        size = np.abs(np.asarray(values, dtype=float))
-        size = np.linalg.norm(size, axis=-1) if size.ndim > 1 else size
-        if size.shape == times.shape:
-            unit = units.get(name, "of the output")
-            found.setdefault(unit, Plot("errors", "Estimated errors", unit, {}, times, log=True)).curves[str(name)] = size
+    for row in verification.rows:
+        plot = found.setdefault(row.unit, Plot("errors", "Estimated errors", row.unit, {}, verification.t, log=True))
+        plot.curves[row.output] = verification.errors[row.output]
     return list(found.values())

@@ -17,7 +17,12 @@ def text(report: Verification) -> str:
     lines = [head, *(_cells(row, mesh) for row in report.rows)]
     widths = [max(len(line[k]) for line in lines) for k in range(len(head))]
     table = ["  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in lines]
-    return "\n".join([*table, _compared(report), *_parting(report), *_advice(report)])
+    return "\n".join([*table, *remarks(report)])
+
+
+def remarks(report: Verification) -> list[str]:
+    """What was compared, how neighbouring motions part, and what can be done where something is lost."""
+    return [_compared(report), *_parting(report), *_advice(report)]
 
 
 def _cells(row: Row, mesh: bool) -> list[str]:

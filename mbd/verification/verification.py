@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..affine import Array
+from ..displayed import Displayed
 from ..result import Result
 from ..state import State
 from .estimates import Estimate, Growth, Values, envelope, estimate, growth, plausible
@@ -40,7 +41,7 @@ class Row(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Verification:
+class Verification(Displayed):
     """What ``verify`` found. Prints as a table.
 
     result       the finest run, a mbd.Result
@@ -74,6 +75,12 @@ class Verification:
     def predictable_until(self) -> float:
         """The time [s] until which all outputs are predictable: the end of the run, or an earlier one."""
         return min(row.until for row in self.rows)
+
+    def remarks(self) -> list[str]:
+        """What was compared, how neighbouring motions part, and what can be done where something is lost."""
+        from .text import remarks
+
+        return remarks(self)
 
     def __str__(self) -> str:
         from .text import text
