@@ -214,7 +214,8 @@ def _cells(row: Row, lowest: float, period: float) -> list[str]:
     if abs(phase) > LOST[0] or row.energy > LOST[1]:
         phase = np.inf
     numbers = [phase, row.energy, row.position_drift, row.velocity_drift]
-    return [row.method, f"{row.periods:g}", *("lost" if x == np.inf else "" if not np.isfinite(x) else f"{x:.1e}" for x in numbers), f"{row.steps}", f"{row.seconds:.0f}"]
+    shown = ["lost" if x == np.inf else "" if not np.isfinite(x) else f"{x:.1e}" for x in numbers]
+    return [row.method, f"{row.periods:g}", *shown, f"{row.steps}", f"{row.seconds:.0f}"]
 
 
 def main(given: Sequence[str] | None = None) -> None:
