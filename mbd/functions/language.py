@@ -119,7 +119,8 @@ def _tree(text: str) -> ast.expr:
             tree = ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise ValueError(f"expected a formula such as '2 * L', found {_short(text)} ({getattr(error, 'msg', None) or error})") from error
-    level, depth = [tree], 0
+    level: list[ast.AST] = [tree]
+    depth = 0
     while level and depth < DEEPEST:
         level, depth = [child for node in level for child in ast.iter_child_nodes(node)], depth + 1
     if level:
