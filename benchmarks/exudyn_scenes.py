@@ -30,28 +30,31 @@ class Machine:
     output: Callable[[], Array]
 
 
-def _empty() -> Any:
+def empty() -> Any:
     return exu.SystemContainer().AddSystem()
 
 
-def _node_position(mbs: Any, node: int) -> Callable[[], Array]:
+def node_position(mbs: Any, node: int) -> Callable[[], Array]:
     return lambda: np.array(mbs.GetNodeOutput(node, Out.Position))
 
 
-def _body_point(mbs: Any, body: int, local: tuple[float, ...]) -> Callable[[], Array]:
+def body_point(mbs: Any, body: int, local: tuple[float, ...]) -> Callable[[], Array]:
     return lambda: np.array(mbs.GetObjectOutputBody(body, Out.Position, localPosition=[*local, 0.0, 0.0][:3]))
 
 
-def _cable(mbs: Any, cable: machines.Cable, gravity: float) -> list[int]:
-    """The nodes of a straight cable of equal elements."""
-    start, end = np.array(cable.start), np.array(cable.end)
-    length, n = float(np.linalg.norm(end - start)), cable.n_elements
-    along = (end - start) / length
-    nodes = [mbs.AddNode(items.NodePoint2DSlope1(referenceCoordinates=[*(start + (end - start) * k / n), *along])) for k in range(n + 1)]
-    for k in range(n):
+def cable(mbs: Any, given: machines.Cable, gravity: float, fractions: Array | None = None, damping: float = 0.0) -> list[int]:
+    """The nodes of a straight cable: of equal elements, or at fractions of its length from 0 to 1; damping is a relaxation time [s]."""
+    start, end = np.array(given.start), np.array(given.end)
+    length = float(np.linalg.norm(end - start))
+    if fractions is None:
+        fractions = np.arange(given.n_elements + 1) / given.n_elements
+    along, EA, EI = (end - start) / length, given.E * given.A, given.E * given.I
+    nodes = [mbs.AddNode(items.NodePoint2DSlope1(referenceCoordinates=[*(start + (end - start) * x), *along])) for x in fractions]
+    for k, size in enumerate(np.diff(fractions) * length):
         body = mbs.AddObject(items.ObjectANCFCable2D(
-            nodeNumbers=[nodes[k], nodes[k + 1]], physicsLength=length / n, physicsMassPerLength=cable.rho * cable.A,
-            physicsBendingStiffness=cable.E * cable.I, physicsAxialStiffness=cable.E * cable.A))  # fmt: skip
+            nodeNumbers=[nodes[k], nodes[k + 1]], physicsLength=size, physicsMassPerLength=given.rho * given.A,
+            physicsBendingStiffness=EI, physicsAxialStiffness=EA,
+            physicsBendingDamping=EI * damping, physicsAxialDamping=EA * damping))  # fmt: skip
         if gravity:
             mass = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
             mbs.AddLoad(items.LoadMassProportional(markerNumber=mass, loadVector=[0.0, -gravity, 0.0]))
@@ -59,8 +62,8 @@ def _cable(mbs: Any, cable: machines.Cable, gravity: float) -> list[int]:
 
 
 def pendulum(E: float) -> Machine:
-    mbs = _empty()
-    nodes = _cable(mbs, machines.pendulum_cable(E), machines.GRAVITY)
+    mbs = empty()
+    nodes = cable(mbs, machines.pendulum_cable(E), machines.GRAVITY)
     ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
     for k in (0, 1):
         held = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=k))
@@ -70,8 +73,8 @@ def pendulum(E: float) -> Machine:
 
 
 def spaghetti() -> Machine:
-    mbs = _empty()
-    nodes = _cable(mbs, machines.SPAGHETTI, 0.0)
+    mbs = empty()
+    nodes = cable(mbs, machines.SPAGHETTI, 0.0)
     point = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[0]))
     turn = mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=nodes[0]))
     mbs.AddLoad(items.LoadForceVector(markerNumber=point, loadVectorUserFunction=lambda mbs, t, load: [machines.spaghetti_force(t), 0.0, 0.0]))
@@ -82,8 +85,8 @@ def spaghetti() -> Machine:
 
 def spinup() -> Machine:
     """The clamp is a joint whose angle follows the hub; its tangent may stretch, as in mbd."""
-    mbs = _empty()
-    nodes = _cable(mbs, machines.SPINUP, 0.0)
+    mbs = empty()
+    nodes = cable(mbs, machines.SPINUP, 0.0)
     root = mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=nodes[0]))
     origin = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=mbs.AddObject(items.ObjectGround()), localPosition=[0.0, 0.0, 0.0]))
     mbs.AddObject(items.ObjectJointGeneric(
@@ -94,11 +97,11 @@ def spinup() -> Machine:
     return Machine(mbs, lambda: np.array(mbs.GetNodeOutput(nodes[-1], Out.Position))[:2])
 
 
-class _Planar:
+class Planar:
     """Rigid bodies and pins in the plane."""
 
     def __init__(self, gravity: float):
-        self.mbs, self.gravity = _empty(), gravity
+        self.mbs, self.gravity = empty(), gravity
         self.ground_body = self.mbs.AddObject(items.ObjectGround())
 
     def body(self, mass: float, inertia: float, position: Any, angle: float = 0.0, velocity: Any = (0.0, 0.0), spin: float = 0.0) -> int:
@@ -130,12 +133,12 @@ class _Planar:
 
     def machine(self, body: int, local: tuple[float, float]) -> Machine:
         self.mbs.Assemble()
-        read = _body_point(self.mbs, body, local)
+        read = body_point(self.mbs, body, local)
         return Machine(self.mbs, lambda: read()[:2])
 
 
 def four_bar(windows: int) -> Machine:
-    plane = _Planar(machines.GRAVITY)
+    plane = Planar(machines.GRAVITY)
     links = [plane.body(1.0, 1 / 12, (k, 0.5), 0.5 * np.pi, (0.5, 0.0), -1.0) for k in range(windows + 1)]
     couplers = [plane.body(1.0, 1 / 12, (k + 0.5, 1.0), 0.0, (1.0, 0.0)) for k in range(windows)]
     for k, link in enumerate(links):
@@ -147,7 +150,7 @@ def four_bar(windows: int) -> Machine:
 
 
 def slider_crank() -> Machine:
-    plane, (pin, end) = _Planar(machines.GRAVITY), machines.slider_crank_points()
+    plane, (pin, end) = Planar(machines.GRAVITY), machines.slider_crank_points()
     crank = plane.body(machines.CRANK_MASS, machines.CRANK_MASS * machines.CRANK**2 / 12, (0.5 * pin[0], 0.5 * pin[1]), machines.CRANK_ANGLE)
     middle, slope = (0.5 * (pin[0] + end[0]), 0.5 * (pin[1] + end[1])), np.arctan2(end[1] - pin[1], end[0] - pin[0])
     rod = plane.body(machines.ROD_MASS, machines.ROD_MASS * machines.ROD**2 / 12, middle, slope)
@@ -160,21 +163,21 @@ def slider_crank() -> Machine:
 
 
 def flexible_crank() -> Machine:
-    plane, length = _Planar(0.0), machines.FLEXIBLE_CRANK
+    plane, length = Planar(0.0), machines.FLEXIBLE_CRANK
     crank = plane.body(machines.FLEXIBLE_CRANK_MASS, machines.FLEXIBLE_CRANK_INERTIA, (0.5 * length, 0.0))
-    nodes = _cable(plane.mbs, machines.FLEXIBLE_ROD, 0.0)
+    nodes = cable(plane.mbs, machines.FLEXIBLE_ROD, 0.0)
     start, end = (plane.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[k])) for k in (0, -1))
     plane.pin(plane.point(plane.ground_body, (0.0, 0.0)), plane.point(crank, (-0.5 * length, 0.0)))
     plane.pin(plane.point(crank, (0.5 * length, 0.0)), start)
     plane.pin(end, plane.piston(machines.FLEXIBLE_PISTON, machines.FLEXIBLE_ROD.end))
     plane.torque(crank, machines.FLEXIBLE_TORQUE)
     plane.mbs.Assemble()
-    read = _node_position(plane.mbs, nodes[len(nodes) // 2])
+    read = node_position(plane.mbs, nodes[len(nodes) // 2])
     return Machine(plane.mbs, lambda: read()[:2])
 
 
 def squeezer() -> Machine:
-    plane, numbers = _Planar(0.0), machines.squeezer_numbers()
+    plane, numbers = Planar(0.0), machines.squeezer_numbers()
     poses, local = machines.squeezer_poses(numbers), machines.squeezer_points(numbers)
     bodies = [plane.body(m, i, position, angle) for m, i, (position, angle) in zip(numbers["m"], numbers["I"], poses)]
     bodies.append(plane.ground_body)
@@ -189,7 +192,7 @@ def squeezer() -> Machine:
 
 
 def chain(links: int) -> Machine:
-    plane, a = _Planar(machines.GRAVITY), machines.LINK
+    plane, a = Planar(machines.GRAVITY), machines.LINK
     before = plane.point(plane.ground_body, (0.0, 0.0))
     for k in range(links):
         body = plane.body(1.0, a * a / 12.0, ((k + 0.5) * a, 0.0))
@@ -200,7 +203,7 @@ def chain(links: int) -> Machine:
 
 def chain_tree(links: int) -> Machine:
     """The chain in relative coordinates: a kinematic tree, for the explicit solvers."""
-    mbs, a = _empty(), machines.LINK
+    mbs, a = empty(), machines.LINK
     zero = [0.0] * links
     node = mbs.AddNode(items.NodeGenericODE2(
         numberOfODE2Coordinates=links, referenceCoordinates=zero, initialCoordinates=zero, initialCoordinates_t=zero))  # fmt: skip
@@ -221,7 +224,7 @@ def chain_tree(links: int) -> Machine:
 
 def heavy_top() -> Machine:
     """Euler parameters and a spherical joint."""
-    mbs = _empty()
+    mbs = empty()
     ep = RotationMatrix2EulerParameters(np.eye(3))
     spin, centre = np.array(machines.TOP_SPIN), np.array(machines.TOP_CENTRE)
     ep_t = AngularVelocity2EulerParameters_t(spin, ep)
@@ -233,4 +236,4 @@ def heavy_top() -> Machine:
     mbs.AddLoad(items.LoadForceVector(markerNumber=middle, loadVector=[0, 0, -machines.TOP_MASS * machines.GRAVITY]))
     mbs.AddObject(items.ObjectJointSpherical(markerNumbers=[origin, tip]))
     mbs.Assemble()
-    return Machine(mbs, _node_position(mbs, node))
+    return Machine(mbs, node_position(mbs, node))

@@ -16,8 +16,8 @@ from . import machines, scenes
 Array = np.ndarray
 Exact = Callable[[Array], Array]
 
-RTOLS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
-BEAM_RTOLS = RTOLS[1:5]
+RTOLS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
+BEAM_RTOLS = RTOLS[1:4]
 
 
 @dataclass(frozen=True)
@@ -202,12 +202,12 @@ def _flat(exact: Callable[[Array], Array]) -> Exact:
 
 
 G = 9.81
-STEPS = (mbd.GeneralizedAlpha(step=2e-3), mbd.GeneralizedAlpha(step=5e-4), mbd.Gauss(step=0.02), mbd.Gauss(step=0.01), mbd.Gauss(0.04, stages=3),
+STEPS = (mbd.GeneralizedAlpha(step=8e-3), mbd.GeneralizedAlpha(step=4e-3), mbd.Gauss(step=0.02), mbd.Gauss(step=0.01), mbd.Gauss(0.04, stages=3),
          mbd.Radau(3, step=0.02))  # fmt: skip
 
 CASES = [
     Case("A01 pendulum", simple_pendulum, 10.0, {"bob": pendulum_path, "force": pendulum_force}),
-    Case("A01 pendulum, fixed steps", simple_pendulum, 10.0, {"bob": pendulum_path, "force": pendulum_force}, (1e-10,), STEPS),
+    Case("A01 pendulum, fixed steps", simple_pendulum, 3.0, {"bob": pendulum_path, "force": pendulum_force}, (1e-10,), STEPS),
     Case("IVP pendulum", turning_pendulum, 20.0, {"energy": lambda t: np.full((len(t), 1), 0.5)}),
     Case("free fall", free_fall, 2.0, {
         "place": lambda t: np.stack((3.0 * t, 4.0 * t - 0.5 * G * t**2), axis=-1), "angle": lambda t: 5.0 * t[:, None]}),
@@ -217,7 +217,7 @@ CASES = [
         "centre": lambda t: np.stack((G * np.sin(0.3) * t**2 / 3.0, np.full(len(t), 0.2)), axis=-1),
         "angle": lambda t: -G * np.sin(0.3) * t[:, None] ** 2 / 0.6}),
     Case("double pendulum", double_pendulum, 4.0),
-    Case("double pendulum, fixed steps", double_pendulum, 3.0, {}, (1e-10,), STEPS),
+    Case("double pendulum, fixed steps", double_pendulum, 2.0, {}, (1e-10,), STEPS),
     Case("chain of 4", long_chain, 2.0),
     _benchmark("chain 10"),
     _benchmark("heavy top"),

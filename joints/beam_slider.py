@@ -63,7 +63,7 @@ class BeamSlider(Joint):
         s = track.nearest(self.point.point.value(q), q)
         tangent, moved = track.weights(np.array(s), 1) @ track.nodes(q), track.weights(np.array(s), 0) @ track.nodes(v)
         rate = float((self.point.point.rate(v) - moved) @ tangent / (tangent @ tangent))
-        return [site.scalar(s, rate, "place along the cable")]
+        return [site.scalar(s, rate, "place along the cable", True)]
 
     def rows(self, point: Marker, start: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
         """As far as they concern the point, for the reaction on it."""

@@ -107,7 +107,7 @@ class Displacement(Measure):
         q, v = site.scene.layout.start()
         apart, line = self.a.point - self.b.point, fixed_axis(self.b, self.axis / np.linalg.norm(self.axis))
         value = float(apart.value(q) @ line.value(q))
-        return [site.scalar(value, float(apart.rate(v) @ line.value(q) + apart.value(q) @ line.rate(v)), "displacement")]
+        return [site.scalar(value, float(apart.rate(v) @ line.value(q) + apart.value(q) @ line.rate(v)), "displacement", True)]
 
     def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
         return [("displacement", along(a, b, self.axis, Scalar.coordinate(scalars[0]).scaled(-1.0)))]
@@ -136,7 +136,7 @@ class Length(Measure):
         q, v = site.scene.layout.start()
         apart = self.a.point - self.b.point
         value = float(np.linalg.norm(apart.value(q)))
-        return [site.scalar(value, float(apart.value(q) @ apart.rate(v)) / value if value else 0.0, "length")]
+        return [site.scalar(value, float(apart.value(q) @ apart.rate(v)) / value if value else 0.0, "length", True)]
 
     def rows(self, a: Marker, b: Marker, pose: Pose, scalars: list[int]) -> list[tuple[str, Row]]:
         """(|p|^2 - s^2) / (2 length at the start)."""

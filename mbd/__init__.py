@@ -87,7 +87,7 @@ if TYPE_CHECKING:
     from .sweeps.sweep import sweep
     from .sweeps.table import Sweep
     from .target import Motion
-    from .verification import Verification, verify
+    from .verification.verification import Verification, verify
     from .vibration import Modes, modes
 
 _HOMES = {
@@ -157,7 +157,7 @@ _HOMES = {
     "precision": ("WorkPrecision", "work_precision"),
     "target": ("Motion",),
     "linearisation": ("Linearization", "linearize"),
-    "verification": ("Verification", "verify"),
+    "verification.verification": ("Verification", "verify"),
     "vibration": ("Modes", "modes"),
     "sweeps.sweep": ("sweep",),
     "sweeps.table": ("Sweep",),

@@ -105,7 +105,8 @@ def _head(result: Result, progress: Progress, forks: list[Any]) -> dict[str, Any
         "coordinates": result.scene.coordinates(),
         "divided": stages[0].trajectory.part.system is not result.system,
         "parts": [
-            {"steps": len(stage.trajectory.t), "solver": _solver(stage.trajectory), "reason": stage.reason, "softened": stage.softened, "fork": fork}
+            {"steps": len(stage.trajectory.t), "solver": _solver(stage.trajectory), "fork": fork}
+            | {name: getattr(stage, name) for name in ("reason", "softened", "spent")}
             for stage, fork in zip(stages, forks)
         ],
         "plan": {"t": plan.start.t, "t_end": plan.t_end, "rtol": plan.rtol, "events": list(plan.events)},
@@ -144,9 +145,15 @@ def load(path: str | os.PathLike[str]) -> Result:
             raise ValueError(f"expected arrays {', '.join((*ARRAYS, *START, FORK))}, found none named {', '.join(missing)}")
         return _restored(head, arrays)
     except (LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
-        raise ValueError(f"{path}: expected a result that result.save wrote, found a damaged one ({type(error).__name__}: {error})") from error
+        found = _shortened(f"{type(error).__name__}: {error}")
+        raise ValueError(f"{path}: expected a result that result.save wrote, found a damaged one ({found})") from error
     except (ValueError, SimulationError) as error:
-        raise ValueError(f"{path}: {'; '.join(str(error).splitlines())}") from error
+        raise ValueError(f"{path}: {_shortened('; '.join(str(error).splitlines()))}") from error
+
+
+def _shortened(text: str, most: int = 1000) -> str:
+    """What a file says may be of any length."""
+    return text if len(text) <= most else f"{text[:most]}..."
 
 
 def _read(path: Path) -> dict[str, Array]:
@@ -161,7 +168,9 @@ def _read(path: Path) -> dict[str, Array]:
                 if sum(member.file_size for member in members) > size:
                     raise ValueError("expected uncompressed arrays, found ones larger than the file")
                 known = {f"{name}.npy": name for name in ("head", *ARRAYS, *START, FORK, WANTED, *CHOSEN, *EVENTS)}
-                return {known[m.filename]: _array(archive.read(m), m.filename) for m in members if m.filename in known}
+                if len({m.filename for m in members} & known.keys()) < len(members):
+                    raise ValueError(f"expected members among {', '.join(known)}, each once, found others or one twice")
+                return {known[m.filename]: _array(archive.read(m), m.filename) for m in members}
         except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError) as error:
             raise ValueError(f"expected a whole file, found a truncated or damaged one ({error})") from error
 
@@ -228,7 +237,7 @@ def _stages(told: list[Any], parts: list[Part], pieces: list[dict[str, Array]], 
             raise ValueError("fork: expected one of the steps, found another time")
         linear = prepared(part.system, plan.start.q[part.columns], bool(data["softened"]), own["q"][0])
         steps = _trajectory(part, own, _rebuilt_solver(data["solver"]), linear, plan.rtol)
-        stages.append(Stage(steps, mark, bool(data["softened"]), str(data["reason"])))
+        stages.append(Stage(steps, mark, bool(data["softened"]), int(data["spent"]), str(data["reason"])))
     row.end()
     return stages
 

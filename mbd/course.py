@@ -103,4 +103,5 @@ def _stats(legs: Sequence[Leg]) -> dict[str, Any]:
     said = {name: "; ".join(dict.fromkeys(stats[name] for stats in each)) for name in ("solver", "linear algebra", "reason")}
     sums = {name: sum(stats[name] for stats in each) for name in COUNTS}
     parts = [{"items": list(leg.part.items)} | stats for leg, stats in zip(legs, each)]
-    return said | {"rtol": each[0]["rtol"]} | sums | {"parts": parts}
+    worst = {"coarseness": max(stats["coarseness"] for stats in each)}
+    return said | {"rtol": each[0]["rtol"]} | sums | worst | {"parts": parts}

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from .affine import Array
 from .assembly import Assembly, announce
-from .audit import Audit, audit
 from .errors import SceneError, SimulationError
 from .event import Events
 from .kinematic_path import KinematicPath, work
@@ -22,7 +21,7 @@ from .result import Result
 from .starts import starts, together
 from .state import State
 from .structure import dead_centres, free_motions
-from .trajectory import Trajectory, joined
+from .trajectory import Joined, Trajectory, joined
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -71,10 +70,9 @@ class KinematicResult(Result):
     """What ``kinematics`` found: a result like that of a run."""
 
     @cached_property
-    def audit(self) -> Audit:
+    def accounted(self) -> Trajectory | Joined:  # type: ignore[override]
         """The work of drives is integrated between the times with ten points of Gauss each."""
-        pieces = [replace(piece, work=work(piece)) for piece in self.trajectory.pieces()]
-        return audit(self.system, joined(pieces, self.system.n))
+        return joined([replace(piece, work=work(piece)) for piece in self.trajectory.pieces()], self.system.n)
 
     def save(self, path: Any) -> None:
         raise ValueError("save: expected the result of mbd.simulate, found one of mbd.kinematics; solve again, or save result.t, .q and .v")

@@ -10,6 +10,9 @@ from .affine import Array
 from .errors import SimulationError
 from .system import System
 
+NEARLY = 1e-3
+"""Singular values of the scaled G below this share of the largest are those of a position that explains why steps fail."""
+
 LARGEST = 2000
 """Unknowns up to which the equations that lose their rank are looked for."""
 
@@ -20,6 +23,8 @@ STEPS = ("a smaller rtol, or mbd.Radau(stages=3), whose steps are shorter", "a s
 def stopped(system: System, linear: Any, method: Any, record: Any) -> SimulationError:
     """What stopped a run after the last state of its record."""
     kind = next((found for sign, found in _KINDS if sign in record.failure), _inexact)
+    if kind is not _left and _nearly_singular(system, linear, record.states[-1].q):
+        kind = _singular
     item, what, advice = kind(system, linear, record, STEPS[method.fixed is not None])
     return SimulationError(what, time=record.states[-1].t, item=item, advice=advice)
 
@@ -35,7 +40,7 @@ def _left(system: System, linear: Any, record: Any, steps: str) -> Found:
 
 def _singular(system: System, linear: Any, record: Any, steps: str) -> Found:
     item = weakest(system, linear, record.states[-1].q) or fastest(system, record.states[-1])
-    what = f"steps became too short: {record.failure}"
+    what = f"steps became too short, next to a singular position of the joints: {record.failure}"
     look = "see what is in line or held twice there: print(mbd.check(scene, start=error.state))"
     return item, what, (look, "start a little beside that position, or change a length a little", f"{steps}; implicit methods pass most such places")
 
@@ -58,6 +63,11 @@ _KINDS = ((" leaves ", _left), ("singular equations", _singular), ("Newton's ite
 """Told by words of the solvers' own reasons."""
 
 
+def _nearly_singular(system: System, linear: Any, q: Array) -> bool:
+    sizes = _decomposed(system, linear, q)[1]
+    return bool(sizes.size and not linear.softened and sizes[-1] < NEARLY * sizes[0])
+
+
 def fastest(system: System, state: Any) -> str:
     """The item that moves fastest."""
     return str(system.owners[int(np.argmax(np.abs(state.v) * system.levers))][0])
@@ -65,14 +75,22 @@ def fastest(system: System, state: Any) -> str:
 
 def weakest(system: System, linear: Any, q: Array) -> str | None:
     """The joint whose equation is nearest to following from the others; None where there are none, or too many to look."""
+    left, sizes = _decomposed(system, linear, q)
+    if not sizes.size:
+        return None
+    order = np.argsort(-np.abs(left[:, sizes.size - 1]))
+    names = [system.label(int(row)) for row in order]
+    return next((name for name in names if name not in system.internal), names[0])
+
+
+def _decomposed(system: System, linear: Any, q: Array) -> tuple[Array, Array]:
+    """Left singular vectors and singular values of the scaled G; none where there are no joints, or too many unknowns."""
     from .solvers.start import scaled_gradient
 
     if not system.m or system.n + system.m > LARGEST:
-        return None
-    left = np.linalg.svd(scaled_gradient(system, linear, q))[0]
-    order = np.argsort(-np.abs(left[:, min(system.m, system.n) - 1]))
-    names = [system.label(int(row)) for row in order]
-    return next((name for name in names if name not in system.internal), names[0])
+        return np.zeros((0, 0)), np.zeros(0)
+    left, sizes, _ = np.linalg.svd(scaled_gradient(system, linear, q))
+    return left, sizes
 
 
 def undetermined(system: System, linear: Any, q: Array, t: float, trouble: Exception) -> SimulationError:

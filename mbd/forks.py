@@ -73,9 +73,10 @@ def read(head: dict[str, Any] | None, row: Row, part: Part) -> Mark | None:
     memory = {str(name): row.take(shape) for name, shape in head["memory"].items()}
     start, h, ceiling, last = head["rhythm"]
     rhythm = Rhythm(float(start), float(h), float(ceiling), None if last is None else (float(last[0]), float(last[1])))
-    counts = [_count(value) for value in (*head["counts"], head["factorizations"], head["done"], head["steps"], head["method"])]
+    *steps, error = head["counts"]
+    counts = [_count(value) for value in (*steps, head["factorizations"], head["done"], head["steps"], head["method"])]
     pending = Pending(counts[5], tuple(_nodes([row.take(shape) for shape in shapes], system) for shapes in head["waiting"]))
-    if not (rhythm.h > 0.0 and np.isfinite(rhythm.start + rhythm.h) and counts[5] + len(pending.waiting) == counts[6] == counts[0]):
+    if not (rhythm.h > 0.0 and np.isfinite(rhythm.start + rhythm.h + float(error)) and counts[5] + len(pending.waiting) == counts[6] == counts[0]):
         raise ValueError("fork: expected a positive step and counts that agree, found others")
     seen = None
     if head["seen"] is not None:
@@ -83,7 +84,7 @@ def read(head: dict[str, Any] | None, row: Row, part: Part) -> Mark | None:
         seen = Seen({name: _count(value) for name, value in numbers.items()}, {name: float(value) for name, value in last_values.items()})
     q, v, multipliers, stress = vectors
     state = State(float(head["t"]), q, v, multipliers, stress, memory, counts[7])
-    return Mark(counts[6], state, rhythm, Counts(*counts[:4]), counts[4], pending, seen)
+    return Mark(counts[6], state, rhythm, Counts(*counts[:4], float(error)), counts[4], pending, seen)
 
 
 def _count(value: Any) -> int:

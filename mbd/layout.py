@@ -25,6 +25,7 @@ class Layout:
         self._levers: list[Array] = []
         self._labels: list[tuple[str, str]] = []
         self._scalars: list[tuple[float, float, str, str]] = []
+        self._lengths: list[bool] = []
 
     def rows(self, item: str, q: ArrayLike, v: ArrayLike, levers: ArrayLike, labels: Sequence[str]) -> NDArray[np.intp]:
         """Row numbers [k] for start values q, v [k, d]."""
@@ -37,9 +38,10 @@ class Layout:
         self.n_rows += len(values)
         return rows
 
-    def scalar(self, item: str, value: float, rate: float, label: str) -> int:
-        """The index of a new scalar coordinate: negative, counted from the end of q."""
+    def scalar(self, item: str, value: float, rate: float, label: str, length: bool = False) -> int:
+        """The index of a new scalar coordinate, a length or a number: negative, counted from the end of q."""
         self._scalars.append((float(value), float(rate), item, label))
+        self._lengths.append(length)
         return -len(self._scalars)
 
     @property
@@ -59,6 +61,10 @@ class Layout:
     def levers(self) -> Array:
         """[n]; scalar coordinates follow others through equations of their own and weigh nothing (0)."""
         return self._assemble([np.repeat(lever, self.dimension) for lever in self._levers], [0.0] * len(self._scalars))
+
+    def lengths(self) -> NDArray[np.bool_]:
+        """[n]: which scalar coordinates are lengths."""
+        return np.concatenate((np.zeros(self.dimension * self.n_rows, dtype=bool), np.array(self._lengths[::-1], dtype=bool)))
 
     def row_labels(self) -> list[str]:
         """What each row of the table is: "mass centre", "node 3 slope"."""

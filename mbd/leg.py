@@ -52,7 +52,7 @@ class Leg:
 
         self.part, self.linear, self.solver, self.reason, self._aim = part, linear, solver, reason, aim
         system, rtol = part.system, aim.rtol
-        self._jumps = discontinuities(system)
+        self._jumps, self._spent = discontinuities(system), linear.factorizations
         method = solver.integrator(rtol)
         self.method: Any = OneSided(method, self._jumps) if self._jumps.size else method
         self._tolerance = rtol * system.length
@@ -153,7 +153,7 @@ class Leg:
         mark = self.fork
         if mark:
             mark = mark._replace(state=mark.state._replace(memory=packed(mark.state.memory)))
-        return Stage(self.trajectory(), mark, self.linear.softened, self.reason)
+        return Stage(self.trajectory(), mark, self.linear.softened, self._spent, self.reason)
 
     def stats(self) -> dict[str, Any]:
         """What they cost."""
@@ -168,5 +168,6 @@ class Leg:
             "newton iterations": counts.solves,
             "factorizations": self.linear.factorizations,
             "wall time": self._seconds,
+            "coarseness": self._aim.rtol * counts.error if self.method.fixed is not None else 0.0,
             "reason": self.reason,
         }

@@ -14,8 +14,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .affine import Array
-
 if TYPE_CHECKING:
     from .scene import Scene
 
@@ -271,7 +269,7 @@ def _within(x: Any, limits: tuple[float, float]) -> bool:
 def _digits(x: float, limits: tuple[float, float]) -> bool:
     """Whether x is within limits but for a power of ten."""
     low, high = np.log10(limits) % 1.0
-    place: Array = np.log10(x) % 1.0 if x > 0.0 else np.nan
+    place = float(np.log10(x)) % 1.0 if x > 0.0 else np.nan
     return bool(low - 1e-9 <= place <= high + 1e-9 if low <= high else place >= low - 1e-9 or place <= high + 1e-9)
 
 

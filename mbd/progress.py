@@ -51,12 +51,13 @@ class Plan:
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """What one part did: all its steps, the mark to go on from (None: from its start), whether its matrix allows redundant joints, and why
-    its solver was chosen."""
+    """What one part did: all its steps, the mark to go on from (None: from its start), whether its matrix allows redundant joints, how many
+    factorizations its start took, and why its solver was chosen."""
 
     trajectory: Trajectory
     fork: Mark | None
     softened: bool
+    spent: int
     reason: str
 
 

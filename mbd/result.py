@@ -205,9 +205,14 @@ class Result(Displayed):
         s = self.system
         return Energy(s.kinetic(self.v), s.elastic(self.q), s.potential(self.q))
 
+    @property
+    def accounted(self) -> Trajectory | Joined:
+        """The accepted steps, with the work done along them."""
+        return self.trajectory
+
     @cached_property
     def audit(self) -> Audit:
-        return audit(self.system, self.trajectory)
+        return audit(self.system, self.accounted)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the result to an .npz file, whole or not at all; ``mbd.load`` reads it."""

@@ -19,10 +19,13 @@ from .leg import Aim, Back, Leg
 from .parts import Part
 from .progress import Plan, Progress, Stage
 from .result import Result
-from .run import checked_times, finished, warn_of_doubts, warn_of_imbalance
+from .run import checked_times, finished, warn_of_coarse_steps, warn_of_doubts, warn_of_imbalance
 
 if TYPE_CHECKING:
     from .scene import Scene
+
+FEW = 30
+"""Steps of a run so short that its end may have bent the first one: with another end, they are taken anew."""
 
 
 def resume(
@@ -47,8 +50,8 @@ def resume(
     progress, checkpoint, every   as of ``simulate``
 
     The few steps that the end of the run had bent, so as to land on it, are taken anew; what they found is forgotten. So a run to 1 s, resumed
-    to 2 s, is the run to 2 s. Only where the first step was a share of the span (nothing moved at the start and nothing pulled, or the run
-    takes less than ten first steps) the run to 2 s would have begun with another one. Solver and rtol stay those of the run.
+    to 2 s, is the run to 2 s. Only where nothing moved at the start and nothing pulled, which makes the first step a share of the span, the
+    run to 2 s would have begun with another one. Solver and rtol stay those of the run.
     Raises SceneError for another scene or other events, a run that ended with a terminal event, and a t_end already reached; ValueError for
     a file that ``mbd.load`` refuses; otherwise as ``simulate``.
     """
@@ -58,10 +61,12 @@ def resume(
     own = _scene(result, scene)
     parts = _parts(own, before, plan)
     kept = Checkpoint(own, checkpoint, every) if checkpoint is not None else None
-    legs = [_leg(part, stage, plan, result) for part, stage in zip(parts, before.stages)]
+    later = plan.t_end != before.plan.t_end
+    legs = [_leg(part, stage, plan, result, later) for part, stage in zip(parts, before.stages)]
     assembly = replace(result.assembly, linear=legs[0].linear) if len(legs) == 1 else result.assembly
     whole = finished(Course(own, plan, assembly, legs), progress, kept)
     warn_of_imbalance(whole)
+    warn_of_coarse_steps(whole)
     warn_of_doubts(whole)
     return whole
 
@@ -130,14 +135,18 @@ def _parts(scene: Scene, before: Progress, plan: Plan) -> list[Part]:
     return parts
 
 
-def _leg(part: Part, stage: Stage, plan: Plan, result: Result) -> Leg:
+def _leg(part: Part, stage: Stage, plan: Plan, result: Result, later: bool) -> Leg:
     """A part where it went on from, with linear algebra of its own, as it was made for the start of the run."""
     from .solvers.memory import unpacked
+    from .solvers.start import mass_factor
 
     steps, mark = stage.trajectory, stage.fork
     linear = prepared(part.system, plan.start.q[part.columns], stage.softened, steps.q[0])
+    if part.system.joints.linear:
+        mass_factor(part.system, linear, steps.q[0])  # which is kept, and was found before the run
+    linear.factorizations = stage.spent
     aim = Aim(plan.t_end, plan.rtol, plan.events)
-    if mark is None:
+    if mark is None or (later and mark.steps < FEW):
         return Leg(part, linear, steps.solver, stage.reason, [steps.states[0]], aim)
     memory = unpacked(steps.solver.integrator(plan.rtol), part.system, linear, mark.state.memory)
     mark = mark._replace(state=mark.state._replace(memory=memory))

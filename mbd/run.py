@@ -70,6 +70,7 @@ def simulate(
     legs = [_leg(part, each, solver, plan) for part, each in zip(parts, begin)]
     result = finished(Course(scene, plan, assembly, legs), progress, kept)
     warn_of_imbalance(result)
+    warn_of_coarse_steps(result)
     warn_of_doubts(result)
     return result
 
@@ -125,6 +126,22 @@ def warn_of_imbalance(result: Result) -> None:
                 SceneWarning,
                 stacklevel=3,
             )
+
+
+COARSE = 0.03
+"""The sum of the errors estimated in fixed steps, as a share of the length, above which a run is not to be trusted."""
+
+
+def warn_of_coarse_steps(result: Result) -> None:
+    """Nothing controls fixed steps: their errors are added up instead."""
+    worst = result.stats["coarseness"]
+    if worst > COARSE:
+        warnings.warn(
+            f"the fixed steps are too long: errors estimated in them add up to {worst:.2g} of the scene's length: "
+            "do not trust this run; take shorter steps or a solver with error control",
+            SceneWarning,
+            stacklevel=3,
+        )
 
 
 def warn_of_doubts(result: Result) -> None:

@@ -157,7 +157,7 @@ class Scene(Displayed):
         stuck = [f"{type(item.description).__name__} {item.name!r}: {field}" for item in self.items for field in _stuck(item.description)]
         if stuck:
             found = "; ".join(stuck)
-            raise TypeError(f"scene: expected functions that can be pickled, of the top of a module, found others ({found}); define them there with def")
+            raise TypeError(f"scene: expected functions that can be pickled, of the top of a module, found others ({found}); define them there")
         return self._described()
 
     def _described(self) -> dict[str, Any]:
@@ -210,8 +210,8 @@ class Site:
     def rows(self, q: ArrayLike, v: ArrayLike, levers: ArrayLike, labels: list[str]) -> NDArray[np.intp]:
         return self.scene.layout.rows(self.name, q, v, levers, labels)
 
-    def scalar(self, value: float, rate: float, label: str) -> int:
-        return self.scene.layout.scalar(self.name, value, rate, label)
+    def scalar(self, value: float, rate: float, label: str, length: bool = False) -> int:
+        return self.scene.layout.scalar(self.name, value, rate, label, length)
 
 
 class Ground:

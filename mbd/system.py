@@ -64,7 +64,7 @@ class System:
 
     def __init__(self, model: Model):
         self.dimension, self.n, self.length = model.dimension, model.n, model.length
-        self.q0, self.v0, self.levers, self.owners = model.q0, model.v0, model.levers, model.owners
+        self.q0, self.v0, self.levers, self.lengths, self.owners = model.q0, model.v0, model.levers, model.lengths, model.owners
         self.weight = np.zeros(self.n)
         self.weight[: model.weights.size] = model.weights.ravel()
         self.dead = model.dead_forces

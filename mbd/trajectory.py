@@ -60,7 +60,7 @@ class Trajectory:
         for k in np.unique(step):
             here = np.flatnonzero(step == k)
             q[here], v[here] = self._within(int(k), flat[here])
-        return q.reshape(*times.shape, -1), v.reshape(*times.shape, -1)
+        return q.reshape(*times.shape, q.shape[1]), v.reshape(*times.shape, v.shape[1])
 
     def _within(self, k: int, times: Array) -> tuple[Array, Array]:
         """At times within a step."""

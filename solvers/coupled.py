@@ -42,7 +42,8 @@ class Coupled(Derivatives):
         system, gamma = equations.system, equations.table.gamma / equations.h
         super().__init__(system, middle, inputs)
         self.joints, self.v = system.joints.at(equations.q0 + x.dq), x.v
-        tangents = [linear.tangent(gradient, self.stiffness, self.damping) for gradient in self.joints.gradient]
+        self._gradient = np.broadcast_to(self.joints.gradient, (len(x.dq), system.joints.rows.size))  # [entries] where G is constant but driven
+        tangents = [linear.tangent(gradient, self.stiffness, self.damping) for gradient in self._gradient]
         self.mass_factor = EachStage([linear.factor(tangent) for tangent in tangents])
         self.end_factor = self.mass_factor.factors[-1]
         self.real_factor = linear.factor(tangents[-1], gamma**2, gamma, 1.0)
@@ -63,8 +64,8 @@ class Coupled(Derivatives):
         parts = [
             spread(rate @ rate, system.mass_rows, system.mass_cols, system.mass_values),
             spread(one, system.stiffness_rows, system.stiffness_cols, self.stiffness),
-            spread(one, below, joints.cols, self.joints.gradient),
-            spread(one, joints.cols, below, self.joints.gradient),
+            spread(one, below, joints.cols, self._gradient),
+            spread(one, joints.cols, below, self._gradient),
             spread(one, corner, corner, -softening / scale[corner] ** 2),
         ]
         if self.damping is not None:

@@ -89,7 +89,8 @@ class ChungHulbert:
 
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:
         """One step of length h, whatever the tolerance; in parts where it must be, so that the next one starts on the user's grid."""
-        return self._divided(system, linear, state, h, HALVINGS)
+        attempt = self._divided(system, linear, state, h, HALVINGS)
+        return attempt._replace(error=attempt.error / tolerance)
 
     def _divided(self, system: System, linear: Linear, state: State, h: float, halvings: int) -> Attempt:
         whole = self._whole(system, linear, state, h)
@@ -105,7 +106,7 @@ class ChungHulbert:
         assert first.nodes and second.nodes and first.multipliers is not None and second.multipliers is not None
         t, q, v, weights = (np.concatenate(pair) for pair in zip(first.nodes, second.nodes))
         multipliers = np.concatenate((first.multipliers, second.multipliers))
-        return Attempt(after, 0.0, 2.0, max(first.rate, second.rate), solves, nodes=(t, q, v, weights), multipliers=multipliers)
+        return Attempt(after, first.error + second.error, 2.0, max(first.rate, second.rate), solves, nodes=(t, q, v, weights), multipliers=multipliers)
 
     def _whole(self, system: System, linear: Linear, state: State, h: float) -> Attempt:
         try:
@@ -120,8 +121,10 @@ class ChungHulbert:
             return Attempt(None, np.inf, 1.0, 1.0, 0, f"singular equations ({trouble})")
         memory = Memory(h, (v - equations.v_free) / (self.gamma * h), equations.acceleration(v))
         after = State(state.t + h, q, v, x.multipliers, x.stress, memory)
+        change = float(np.max(np.abs(memory.acceleration - equations.true) * system.levers))
+        error = h * h * abs(self.beta + 0.5 * (self.alpha_m - self.alpha_f) - 1.0 / 6.0) * change  # of order h^3, in positions
         nodes = (np.array([state.t, after.t]), np.stack((state.q, q)), np.stack((state.v, v)), np.full(2, 0.5 * h))
-        return Attempt(after, 0.0, 2.0, rate, solves, nodes=nodes, multipliers=np.stack((state.multipliers, x.multipliers)))
+        return Attempt(after, error, 2.0, rate, solves, nodes=nodes, multipliers=np.stack((state.multipliers, x.multipliers)))
 
     def _accelerations(self, system: System, linear: Linear, state: State, h: float) -> tuple[Array, Array]:
         """Algorithmic and true, at the start of a step of length h: the time that the first one belongs to moves with h."""
@@ -199,6 +202,7 @@ class Equations:
         self.z, self.y = gamma / (beta * h), (1.0 - alpha_m) / ((1.0 - alpha_f) * gamma * h)
         self.dq_free = h * state.v + (0.5 - beta) * h * h * a
         self.v_free = state.v + (1.0 - gamma) * h * a
+        self.true = true
         self.w_free = (alpha_m * a - alpha_f * true) / (1.0 - alpha_f)
         dq = h * (state.v + 0.5 * h * a)
         self.guess = Stages(dq, self.velocity(dq), state.multipliers, np.zeros(system.m), state.stress)

@@ -72,7 +72,7 @@ class Linear:
         diagonal = np.zeros(self.n)
         own = system.mass_rows == system.mass_cols
         diagonal[system.mass_rows[own]] = system.mass_values[own]
-        levers = np.where(system.levers > 0.0, system.levers, system.length)
+        levers = np.where(system.levers > 0.0, system.levers, np.where(system.lengths, 1.0, system.length))
         typical = diagonal.sum() / np.sum(levers[diagonal > 0.0] ** 2) if diagonal.any() else 1.0
         coordinates = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, typical * levers**2))
         gradient = system.joints.at(q).gradient

@@ -13,12 +13,13 @@ from .system import System
 
 
 class Counts(NamedTuple):
-    """What steps cost: accepted, rejected, failed ones, and Newton iterations."""
+    """Accepted, rejected and failed steps, Newton iterations, and the sum of the errors estimated in accepted steps, over the tolerance."""
 
     steps: int = 0
     rejected: int = 0
     failed: int = 0
     solves: int = 0
+    error: float = 0.0
 
 
 @dataclass
@@ -30,8 +31,8 @@ class Record:
     failure: str = ""
     worst: int = -1
 
-    def accept(self, state: State) -> None:
-        self.counts = self.counts._replace(steps=self.counts.steps + 1)
+    def accept(self, state: State, error: float) -> None:
+        self.counts = self.counts._replace(steps=self.counts.steps + 1, error=self.counts.error + error)
         self.states.append(state)
 
     def tried(self, attempt: Attempt) -> None:
@@ -72,7 +73,7 @@ def march(
         if last is not None and last.state is not None:
             attempt, landed, t_end = last, last.state, last.state.t
             record.tried(last)
-        record.accept(landed._replace(memory=method.kept(landed.memory)))
+        record.accept(landed._replace(memory=method.kept(landed.memory)), attempt.error)
         note(attempt)
         state = landed._replace(memory=None) if stopped else landed  # no forecast reaches across what may jump at a stop
 

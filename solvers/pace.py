@@ -51,7 +51,11 @@ class Pace:
         self.free = self.free and not ((lands or nears) and len(self._stops) == 1)
         if lands:
             return remaining, self._stops[0]
-        return (0.5 * remaining if nears else self.h), None
+        return self._on_clock(t, 0.5 * remaining if nears else self.h), None
+
+    def _on_clock(self, t: float, h: float) -> float:
+        """The step that t + h is away as a number: late in a run h is far finer than the clock."""
+        return (t + h) - t if self.fixed is None else h
 
     def accepted(self, t: float, h: float, attempt: Attempt) -> None:
         """After a step of length h that ended at t."""

@@ -100,6 +100,7 @@ class System(Protocol):
     n_stresses: int
     length: float
     levers: Array
+    lengths: NDArray[np.bool_]
     modulus: Array
     viscosity: Array | None
     affine: bool

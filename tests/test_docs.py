@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 import subprocess
 import sys
 import warnings
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -73,6 +75,35 @@ def test_included_parts_exist():
         for file, start, end in re.findall(r"```\{include\} (\S+)\n:start-after: \"(.+)\"\n:end-before: \"(.+)\"", path.read_text(encoding="utf-8")):
             text = (path.parent / file).read_text(encoding="utf-8")
             assert "|" in text.partition(start)[2].partition(end)[0] and end in text.partition(start)[2], f"{name(path)}: {file}: {start}"
+
+
+@pytest.fixture
+def made(monkeypatch):
+    """The modules that write pages at build time, none of which needs Sphinx."""
+    monkeypatch.syspath_prepend(str(DOCS / "_ext"))
+    yield import_module
+    for module in ("pages", "reference", "theory"):
+        sys.modules.pop(module, None)
+
+
+def test_the_reference_has_every_name_once(made):
+    groups = made("reference").groups()
+    assert sorted(name for names in groups.values() for name in names) == sorted(name for name in mbd.__all__ if not name.startswith("__"))
+    assert "Scene" in groups["scenes, results and messages"] and "Pin" in groups["joints"]
+
+
+def test_lists_in_docstrings_become_definitions(made):
+    lines = [*inspect.cleandoc(mbd.Radau.__doc__ or "").splitlines(), "", "Some *stars* and ``code``."]
+    made("reference").process(None, "class", "mbd.Radau", mbd.Radau, None, lines)
+    assert lines[lines.index("``stages``") + 1].startswith("    3, 5 or 7")
+    assert "Some \\*stars\\* and ``code``." in lines
+
+
+def test_a_theory_page_has_every_step(made):
+    theory = made("theory")
+    steps, text = theory.subjects.steps("local_frame"), theory.page("local_frame", "Title", "First line.")
+    assert re.findall(r"^## (\d+)\.", text, re.MULTILINE) == [str(k) for k in range(1, len(steps) + 1)]
+    assert all(step.latex[0] in text and step.kernel in text for step in steps)
 
 
 @pytest.mark.slow

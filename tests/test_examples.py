@@ -7,17 +7,22 @@ import json
 import re
 import runpy
 import sys
+import warnings
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
 
+import mbd
+
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("Agg")
 image = pytest.importorskip("matplotlib.image")
+plt = pytest.importorskip("matplotlib.pyplot")
 
 ROOT = Path(__file__).resolve().parents[1]
+TUTORIALS = ROOT / "examples" / "tutorial"
 REFERENCE = json.loads((ROOT / "tests" / "data" / "pendulum.json").read_text(encoding="utf-8"))
 EXAMPLES = sorted(path.stem for path in (ROOT / "examples").glob("*.py"))
 WORST = {
@@ -78,14 +83,21 @@ def test_the_references_in_the_example_are_those_of_the_tests():
         np.testing.assert_allclose(pendulum.TIMES, REFERENCE[elasticity]["t"])
 
 
-def tutorial(folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
-    """Runs the twenty steps, which assert what they claim; returns their names."""
+def tutorial(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
+    """Runs a tutorial, which asserts what it claims, without any warning; returns its names."""
     monkeypatch.chdir(folder)
-    return runpy.run_path(str(ROOT / "examples" / "tutorial" / "twenty_steps.py"), run_name="__main__")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", mbd.SceneWarning)
+        return runpy.run_path(str(TUTORIALS / f"{name}.py"), run_name="__main__")
+
+
+def test_every_tutorial_is_run():
+    assert {path.stem for path in TUTORIALS.glob("*.py")} == {"ten_minutes", "twenty_steps"}
 
 
 def test_twenty_steps(tmp_path, monkeypatch, capsys):
-    names = tutorial(tmp_path, monkeypatch)
+    names = tutorial("twenty_steps", tmp_path, monkeypatch)
+    plt.close("all")
     text = capsys.readouterr().out
     assert [int(n) for n in re.findall(r"^(\d+)\. ", text, re.MULTILINE)] == list(range(1, 21))
     assert list(tmp_path.iterdir()) == [tmp_path / "twenty_steps.png"] and 0.02 < painted(tmp_path / "twenty_steps.png") < 0.5
@@ -96,5 +108,13 @@ def test_twenty_steps(tmp_path, monkeypatch, capsys):
 @pytest.mark.slow
 def test_twenty_steps_without_matplotlib(tmp_path, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
-    tutorial(tmp_path, monkeypatch)
+    tutorial("twenty_steps", tmp_path, monkeypatch)
     assert "the picture needs matplotlib" in capsys.readouterr().out and not list(tmp_path.iterdir())
+
+
+def test_ten_minutes(tmp_path, monkeypatch, capsys):
+    names = tutorial("ten_minutes", tmp_path, monkeypatch)
+    assert len(plt.get_fignums()) == 2
+    plt.close("all")
+    assert "free motion: 'rod' turns" in capsys.readouterr().out
+    assert all(names[run].audit.balanced for run in ("result", "fall", "run"))

@@ -71,6 +71,7 @@ def test_small_scenes_run_without_the_heavy_modules(code, tmp_path):
     modules = loaded(code, tmp_path)
     assert "scipy.linalg" in modules
     assert not modules & set(HEAVY)
+    assert not [name for name in modules if name.startswith(("mbd.report", "mbd.draw"))]
 
 
 def test_importing_mbd_takes_no_time(tmp_path):

@@ -87,3 +87,20 @@ def test_what_rests_in_rounding_is_not_called_out_of_balance():
         result = mbd.simulate(scene, t_end=0.25, rtol=1e-4)
     assert not any("energy" in str(warning.message) for warning in told)
     assert result.audit.balanced and result.audit.still
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e3, 1e6])
+@pytest.mark.parametrize("drive", [False, True])
+def test_a_measured_length_is_scaled_as_a_length(unit, drive):
+    """In small units of length its unknown was scaled as an angle's: the matrix looked singular, and steps were not landed on the joints."""
+    scene = mbd.Scene(gravity=(-10.0 * unit, 0, 0))
+    bead = scene.add(mbd.Particle(20.0, unit * np.array((0, 1.0, 0))))
+    scene.add(mbd.PointOnLine(bead.at(), scene.ground.at(0, unit, 0), axis=(2, -1, -1)))
+    length = scene.add(mbd.Length(bead.at(), scene.ground.at(0, 1.004 * unit, -1.068 * unit)))
+    start = 1.068 * unit
+    if drive:
+        scene.add(mbd.Actuator(length, value=lambda t: start * np.hypot(1.0, 0.004 / 1.068) * (1.0 + 0.2 * t)))
+    result = mbd.simulate(scene, t_end=0.3, solver=mbd.Radau(stages=7), rtol=1e-4)
+    assert result.audit.position_drift < 1e-11 and result.audit.velocity_drift < 1e-11
+    apart = np.linalg.norm(result.position(bead.at()) - unit * np.array((0, 1.004, -1.068)), axis=-1)
+    np.testing.assert_allclose(result.q[:, length.coordinate], apart, rtol=1e-10)

@@ -18,7 +18,8 @@ EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 PACKAGES = ("escalona_1998",)
 """Folders of examples/ that are programs of several files."""
 TUTORIAL = ("ten_minutes.py", "twenty_steps.py")
-PICTURES = Path(tempfile.mkdtemp(prefix="pictures"))
+FOLDER = tempfile.TemporaryDirectory(prefix="pictures")  # removed when the build ends
+PICTURES = Path(FOLDER.name)
 
 HEADS = {
     "gallery": "Examples\n========\n\nEach is a page of code that prints a few numbers and writes a picture, and each is a test.\n",

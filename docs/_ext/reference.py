@@ -22,7 +22,7 @@ def groups() -> dict[str, list[str]]:
     """Names by the first row of the README's table that has them; what is in none, at the end."""
     table = README.read_text(encoding="utf-8").partition("## What there is")[2].partition("\n## ")[0]
     left, found = [name for name in mbd.__all__ if not name.startswith("__")], {}
-    for label, text in re.findall(r"^\| ([a-z ]+) \| (.+) \|$", table, re.MULTILINE):
+    for label, text in re.findall(r"^\| ([^|]+?) \| (.+) \|$", table, re.MULTILINE):
         named = [name for name in dict.fromkeys(re.findall(r"`(\w+)", text)) if name in left]
         left = [name for name in left if name not in named]
         found[label] = named
@@ -54,7 +54,7 @@ def directive(name: str) -> str:
 
 
 def _file(label: str) -> str:
-    return label.replace(",", "").replace(" ", "_")
+    return re.sub(r"\W+", "_", label)
 
 
 def process(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:

@@ -65,5 +65,6 @@ def _line(text: Any) -> str:
 
 
 def plain(text: str) -> str:
-    """Words for Markdown: nothing in them is markup."""
-    return re.sub(r"([\\`*_{}\[\]<>|$#])", r"\\\1", text)
+    """Words for Markdown: nothing in them is markup but ``code``."""
+    pieces = re.split(r"``(.+?)``", text)
+    return "".join(f"`{piece}`" if k % 2 else re.sub(r"([\\`*_{}\[\]<>|$#])", r"\\\1", piece) for k, piece in enumerate(pieces))

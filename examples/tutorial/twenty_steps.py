@@ -362,7 +362,7 @@ print(f"15. the differentiated equations leave the circle by {gaps[:500].max():.
 
 
 def stabilised(q, v, h):
-    """One step: q, v and both multipliers from eight equations."""
+    """One step: q, v and both multipliers, times the step, from six equations."""
 
     def residual(unknown):
         p, w, (pull, shift) = unknown[:2], unknown[2:4], unknown[4:]
@@ -393,7 +393,7 @@ there = mbd.simulate(ball, 0.5, rtol=1e-11)
 errors = [np.linalg.norm(q - there.position(bob.at())[-1]) for q in (coarse, fine)]
 assert gap < 1e-11 and smaller < 0.3 * shift and 3.5 < errors[0] / errors[1] < 4.5
 assert there.audit.position_drift < 1e-12 and there.audit.velocity_drift < 1e-12
-print(f"16. stabilised: joint and its velocity within {gap:.0e}, mu at most {shift:.0e}, errors {errors[0]:.1e} and {errors[1]:.1e}; mbd's gap"
+print(f"16. stabilised: joint and its velocity within {gap:.0e}, h mu at most {shift:.0e}, errors {errors[0]:.1e} and {errors[1]:.1e}; mbd's gap"
       f" {there.audit.position_drift:.0e}")  # fmt: skip
 
 # %%

@@ -20,7 +20,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """1 where an output's error cannot be estimated over the whole run."""
-    from ..verification import verify
+    from ..verification.verification import verify
 
     job = job_of(options)
     if not job.outputs:

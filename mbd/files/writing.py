@@ -42,13 +42,14 @@ def write_scene(
     target = Path(path)
     if target.suffix.lower() not in (".toml", ".json"):
         raise ValueError(f"expected a path that ends in .toml or .json, found {target.name!r}")
-    data = _data(scene) | _simulate(scene, t_end, rtol, solver, outputs)
+    data = scene_data(scene) | _simulate(scene, t_end, rtol, solver, outputs)
     text = json.dumps(data, indent=1, ensure_ascii=False) + "\n" if target.suffix.lower() == ".json" else toml(data)
     with replacing(target.resolve()) as file:
         file.write(text.encode())
 
 
-def _data(scene: Scene) -> dict[str, Any]:
+def scene_data(scene: Scene) -> dict[str, Any]:
+    """What a file of the scene holds, without a table ``simulate``. Raises SceneError as ``write_scene``."""
     scene.build()
     items = described(scene)
     if unknown := functions(items):

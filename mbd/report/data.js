@@ -60,8 +60,9 @@ const point = (at, index) => at.subarray(index * d, index * d + d);
 function short(x, digits = 4) {
   if (!isFinite(x)) return "–";
   const size = Math.abs(x);
-  if (size && (size < 1e-3 || size >= 1e5)) return x.toExponential(Math.max(digits - 2, 0)).replace("e+", "e").replace("-", "−").replace("e-", "e−");
-  return String(Number(x.toPrecision(digits))).replace("-", "−");
+  const plain = !size || (size >= 1e-3 && size < 1e5);
+  const text = plain ? String(Number(x.toPrecision(digits))) : x.toExponential(Math.max(digits - 2, 0));
+  return text.replace("e+", "e").replaceAll("-", "−");
 }
 
 /** The least round number that divides a range into at most so many. */

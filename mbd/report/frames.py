@@ -26,6 +26,8 @@ SIZE = 1_500_000
 """Bytes that the points of all frames may take."""
 MISS = 1e-3
 """Of the scene's extent: halving the distance of frames divides what the cubics miss by eight, so what remains is less than a pixel."""
+LOST = (LookupError, SimulationError)
+"""Raised by what needs functions of time that a file could not keep."""
 DETAIL = 120
 """Points along a beam."""
 
@@ -49,7 +51,7 @@ def frames(result: Result, outputs: dict[str, Marker], size: int = SIZE) -> Fram
         drawing.add(name, "output", [marker.point])
     try:
         run, between = _even(result, drawing, size), True
-    except (LookupError, SimulationError):
+    except LOST:
         run, between = _at_steps(result, drawing, size), False
     return Frames(run, drawing, drawing.at(run.q), _forces(run), between)
 
@@ -101,8 +103,9 @@ def missed(points: Array) -> float:
 def _at_steps(result: Result, drawing: Drawing, size: int) -> Result:
     """At accepted steps, as many as there is room for."""
     most = max(2, min(MOST, size // _weight(drawing)))
-    chosen = np.unique(np.linspace(0, len(result.t) - 1, most).round().astype(int))
-    return at_times(result, result.t[chosen], (result.q[chosen], result.v[chosen]))
+    steps = result.trajectory
+    chosen = np.unique(np.linspace(0, len(steps.t) - 1, most).round().astype(int))
+    return at_times(result, steps.t[chosen], (steps.q[chosen], steps.v[chosen]))
 
 
 def _forces(run: Result) -> dict[str, Array]:
@@ -111,7 +114,7 @@ def _forces(run: Result) -> dict[str, Array]:
         if item.description.kind == "force":
             try:
                 found[item.name] = _force(run, item.name, item.description)
-            except (LookupError, SimulationError):  # a function of time that a file could not keep
+            except LOST:
                 continue
     return found
 

@@ -10,6 +10,7 @@ from ..audit import Audit
 from ..diagnosis import Structure
 from ..result import Result, Statistics
 from ..scene import Scene
+from ..verification.verification import Verification
 from ..vibration import Modes
 from . import words
 from .page import page
@@ -38,6 +39,11 @@ def _(thing: Structure) -> str:
 @html.register
 def _(thing: Audit) -> str:
     return _framed(words.audit(thing))
+
+
+@html.register
+def _(thing: Verification) -> str:
+    return _framed(words.verification(thing))
 
 
 @html.register

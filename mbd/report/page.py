@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable
 from importlib.resources import files
 from typing import Any
 
@@ -13,7 +14,7 @@ from .. import __version__
 from ..marker import Marker
 from ..result import Result
 from . import words
-from .frames import SIZE, Frames, frames, packed
+from .frames import LOST, SIZE, Frames, frames, packed
 from .picture import AZIMUTH, ELEVATION, run_picture, upward
 from .series import Plot, checked, plots
 from .words import text
@@ -96,21 +97,22 @@ def _sections(result: Result, verification: Any) -> list[tuple[str, str, bool]]:
 
     found = [("Audit", _safely(lambda: words.audit(result.audit)), True)]
     if verification is not None:
-        found.append(("Error estimates", f'<div class="wide"><pre>{text(verification)}</pre></div>', True))
-    found.append(("Structure", _safely(lambda: words.structure(check(result.scene))), True))
+        found.append(("Error estimates", words.verification(verification), True))
+    found.append(("Structure", _safely(lambda: words.structure(check(result.scene, result.assembly.state))), True))
     found.append(("Solver statistics", words.statistics(result.stats), True))
     if result.events:
         found.append(("Events", words.events(result), True))
     found.append((f"Scene: {len(result.scene.items)} items", words.items(result.scene), False))
+    found.append(("Scene file", words.scene_file(result.scene), False))
     found.append(("Reproduction", words.reproduction(result), False))
     return found
 
 
-def _safely(make: Any) -> str:
-    """A section, or why there is none: a result from a file may have lost functions of time that it needs."""
+def _safely(make: Callable[[], str]) -> str:
+    """A section, or why there is none."""
     try:
         return make()
-    except Exception as error:
+    except LOST as error:
         return f"<p>not to be had: {text(error)}</p>"
 
 

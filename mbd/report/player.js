@@ -46,8 +46,7 @@ const toggle = () => (clock.playing ? pause() : play());
 
 /** Speeds around the one at which the run takes some seconds. */
 function speeds() {
-  const unit = 10 ** Math.floor(Math.log10(span / 8 || 1)), near = unit * [1, 2, 5].reduce((a, b) => (Math.abs(b * unit - span / 8) < Math.abs(a * unit - span / 8) ? b : a));
-  const usual = span > 4 && span < 20 ? 1 : near;
+  const usual = Number((span > 4 && span < 20 ? 1 : roundStep(span / 8 || 1, 1)).toPrecision(1));
   const all = [0.1, 0.2, 0.5, 1, 2, 5, 10].map((k) => Number((k * usual).toPrecision(1)));
   if (!all.includes(1)) all.push(1);
   for (const value of all.sort((a, b) => a - b)) {
@@ -80,7 +79,10 @@ document.addEventListener("keydown", (event) => {
 });
 
 const fingers = new Map();
-canvas.addEventListener("pointerdown", (event) => { fingers.set(event.pointerId, [event.clientX, event.clientY]); try { canvas.setPointerCapture(event.pointerId); } catch { /* of a pointer that is gone */ } });
+canvas.addEventListener("pointerdown", (event) => {
+  fingers.set(event.pointerId, [event.clientX, event.clientY]);
+  try { canvas.setPointerCapture(event.pointerId); } catch { /* of a pointer that is gone */ }
+});
 for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (event) => fingers.delete(event.pointerId));
 canvas.addEventListener("pointermove", (event) => {
   const was = fingers.get(event.pointerId);
@@ -126,13 +128,17 @@ function legend() {
 function refresh() { colours(); resize(); legend(); for (const graph of graphs) graph.render(); show(); }
 
 let closed = [];
-window.addEventListener("beforeprint", () => { closed = [...document.querySelectorAll("details:not([open])")]; closed.forEach((each) => { each.open = true; }); });
+window.addEventListener("beforeprint", () => {
+  closed = [...document.querySelectorAll("details:not([open])")];
+  closed.forEach((each) => { each.open = true; });
+});
 window.addEventListener("afterprint", () => closed.forEach((each) => { each.open = false; }));
 window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", refresh);
 
 $("slider").min = tStart; $("slider").max = tEnd;
 $("keys").textContent = "Space plays, arrow keys step (home, end: first, last), + − f: closer, farther, fit. " +
-  (d === 3 ? "Drag to turn, shift and drag to move" : "Drag to move") + ", wheel (after a click) or two fingers to zoom. Drag over a plot to move the time." +
+  (d === 3 ? "Drag to turn, shift and drag to move" : "Drag to move") + ", wheel (after a click) or two fingers to zoom. " +
+  "Drag over a plot to move the time." +
   (run.between ? "" : " Only accepted steps are known of this run: it was loaded from a file without its functions of time.");
 canvas.setAttribute("aria-label", `The mechanism in motion: ${bodies.slice(0, 8).join(", ")}`);
 speeds();

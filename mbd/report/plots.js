@@ -15,7 +15,9 @@ const tag = (name, text = "", parent = null, className = "") => {
   return made;
 };
 const LINES = ["c0", "c1", "c2", "c3", "c4", "c5"];
-const HEADINGS = { energy: "Energy and audit", audit: "Energy and audit", errors: "Estimated errors", outputs: "Outputs", reactions: "Reactions of joints" };
+const HEADINGS = {
+  energy: "Energy and audit", audit: "Energy and audit", errors: "Estimated errors", outputs: "Outputs", reactions: "Reactions of joints",
+};
 /** The most that a logarithmic plot shows; what is smaller lies on its floor. */
 const DECADES = 10;
 const SUPER = "⁰¹²³⁴⁵⁶⁷⁸⁹";
@@ -25,7 +27,10 @@ class Plot {
   constructor(spec, parent) {
     this.spec = spec;
     this.x = spec.times ? floats(spec.times, Float64Array) : times;
-    this.curves = spec.curves.map(([label, text], k) => ({ label, values: floats(text, Float32Array), on: true, colour: `var(--${LINES[k % LINES.length]})`, dash: DASHES[k % DASHES.length].join(" ") }));
+    this.curves = spec.curves.map(([label, text], k) => ({
+      label, values: floats(text, Float32Array), on: true,
+      colour: `var(--${LINES[k % LINES.length]})`, dash: DASHES[k % DASHES.length].join(" "),
+    }));
     this.box = tag("div", "", parent, "plot");
     this.name = spec.title + (spec.unit ? ` [${spec.unit}]` : "");
     tag("h3", this.name, this.box);
@@ -48,7 +53,11 @@ class Plot {
     tag("span", curve.label, button);
     curve.shown = tag("span", "", button, "value");
     button.setAttribute("aria-pressed", "true");
-    button.addEventListener("click", () => { curve.on = !curve.on; button.setAttribute("aria-pressed", curve.on); this.render(); this.cursor(clock.t); });
+    button.addEventListener("click", () => {
+      curve.on = !curve.on;
+      button.setAttribute("aria-pressed", curve.on);
+      this.render(); this.cursor(clock.t);
+    });
   }
 
   /** The span of what is shown: of a log plot in decades. */
@@ -94,10 +103,13 @@ class Plot {
     element("text", { x: (this.left + this.right) / 2, y: tall - 6, "text-anchor": "middle" }, svg).textContent = "t [s]";
     for (const at of Object.values(run.events).flat()) element("path", { class: "event", d: `M${this.px(at)} 8V${this.bottom}` }, svg);
     element("rect", { class: "frame", x: this.left, y: 8, width: this.right - this.left, height: this.bottom - 8 }, svg);
-    for (const curve of this.curves) if (curve.on) element("path", { class: "curve", d: this.path(curve.values), "stroke-dasharray": curve.dash, style: `stroke:${curve.colour}` }, svg);
+    for (const { on, values, dash, colour } of this.curves) {
+      if (on) element("path", { class: "curve", d: this.path(values), "stroke-dasharray": dash, style: `stroke:${colour}` }, svg);
+    }
     if (this.nothing) element("text", { x: (this.left + this.right) / 2, y: tall / 2, "text-anchor": "middle" }, svg).textContent = "zero throughout";
     this.mark = element("path", { class: "cursor" }, svg);
-    svg.setAttribute("aria-label", `${this.name} over t [s]: ` + this.curves.map((c) => `${c.label} from ${short(Math.min(...c.values))} to ${short(Math.max(...c.values))}`).join(", "));
+    const reach = ({ label, values }) => `${label} from ${short(Math.min(...values))} to ${short(Math.max(...values))}`;
+    svg.setAttribute("aria-label", `${this.name} over t [s]: ${this.curves.map(reach).join(", ")}`);
   }
 
   decades(low, high) {

@@ -11,11 +11,13 @@ import numpy as np
 
 from ..affine import Array
 from ..audit import History, histories
-from ..errors import SceneWarning, SimulationError
+from ..errors import SceneWarning
 from ..joints.measures import PlacedMeasure
 from ..joints.placed import Placed
-from ..marker import Marker
+from ..outputs import check, measure, series
 from ..result import Result
+from ..verification.verification import Verification
+from .frames import LOST
 
 JOINTS = 6
 """So many joints are plotted where none is chosen."""
@@ -36,9 +38,9 @@ class Plot:
     note: str = ""
 
 
-def plots(result: Result, run: Result, outputs: dict[str, Any], verification: Any = None) -> list[Plot]:
+def plots(result: Result, run: Result, outputs: dict[str, Any], verification: Verification | None = None) -> list[Plot]:
     """All plots of a result; ``run``: the same at the frames."""
-    shown = [_output(run, name, item) for name, item in outputs.items() if not is_joint(item) or hasattr(item, "coordinate")]
+    shown = [_output(run, name, item) for name, item in outputs.items() if not is_joint(item) or measure(item)]
     chosen = {name: item for name, item in outputs.items() if is_joint(item)}
     return [_energy(run), *_drift(result), *_errors(verification), *shown, *_reactions(run, chosen)]
 
@@ -48,22 +50,12 @@ def is_joint(item: Any) -> bool:
     return isinstance(item, Placed) and not isinstance(item, PlacedMeasure)
 
 
-def checked(result: Result, outputs: Any) -> dict[str, Any]:
-    """The outputs by name; where none are given, what moves. Raises ValueError for what cannot be shown, all at once."""
-    if outputs is None:
+def checked(result: Result, wanted: Any) -> dict[str, Any]:
+    """The outputs by name; where none are given, what moves. Raises SceneError for what cannot be shown, all at once."""
+    if wanted is None:
         return _moving(result)
-    wrong = [] if isinstance(outputs, dict) else ["expected a dict of names, {'tip': rod.end}"]
-    for name, item in outputs.items() if not wrong else []:
-        if not (isinstance(name, str) and name):
-            wrong.append(f"expected a text for a name, found {name!r}")
-        fits = isinstance(item, Marker) or is_joint(item) or hasattr(item, "coordinate") or hasattr(item, "axes") or callable(item)
-        if not fits:
-            wrong.append(f"{name!r}: expected a marker, joint, drive, measure or body of the scene, or a function of the result, found {item!r}")
-        elif not callable(item) and (item.scene if isinstance(item, Marker) else item.site.scene) is not result.scene:
-            wrong.append(f"{name!r}: expected something of the scene that ran, found {item!r} of another")
-    if wrong:
-        raise ValueError("report: outputs: " + "; ".join(wrong))
-    return dict(outputs)
+    check(result.scene, wanted)
+    return dict(wanted)
 
 
 def _moving(result: Result, most: int = 4) -> dict[str, Any]:
@@ -71,7 +63,7 @@ def _moving(result: Result, most: int = 4) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for item in result.scene.items:
         name, marker = (f"{item.name}.end", item.end) if hasattr(item, "end") else (item.name, item.at() if hasattr(item, "at") else None)
-        if marker and np.ptp(result.position(marker), axis=0).max() > 1e-6 * result.system.length:
+        if marker and np.ptp(marker.point.value(result.trajectory.q), axis=0).max() > 1e-6 * result.system.length:
             found[name] = marker
         if len(found) == most:
             break
@@ -86,8 +78,8 @@ def _energy(run: Result) -> Plot:
 
 def _drift(result: Result) -> list[Plot]:
     try:
-        told = histories(result.system, result.trajectory)
-    except (LookupError, SimulationError) as error:  # functions of time that a file could not keep
+        told = histories(result.system, result.accounted)
+    except LOST as error:
         return [Plot("audit", "Drift of the joints", "relative", {}, note=f"not to be had: {error}")]
     t, (position, velocity, imbalance) = _worst(told)
     energy = Plot("audit", "Imbalance of the energy", "J", {"|energy - start - work|": imbalance}, t, log=True)
@@ -112,23 +104,10 @@ def _worst(told: Sequence[History]) -> tuple[Array, Array]:
 
 
 def _output(run: Result, name: str, item: Any) -> Plot:
-    if isinstance(item, Marker):
-        return Plot("outputs", name, "m", dict(zip("xyz", run.position(item).T)))
-    if callable(item):
-        return Plot("outputs", name, "", _columns(name, item(run), len(run.t)))
-    if hasattr(item, "coordinate"):
-        return Plot("outputs", name, getattr(item.description, "unit", "m"), {item.description.kind: run.q[:, item.coordinate]})
-    if run.system.dimension == 2:
-        return Plot("outputs", name, "rad", {"angle": run.angle(item)})
-    return Plot("outputs", name, "rad/s", {f"angular velocity {axis}": values for axis, values in zip("xyz", run.angular_velocity(item).T)})
-
-
-def _columns(name: str, values: Any, count: int) -> dict[str, Array]:
-    """What a user's function gave, as curves."""
-    array = np.asarray(values, dtype=float)
-    if array.ndim not in (1, 2) or len(array) != count:
-        raise ValueError(f"report: outputs: {name!r}: expected a function of the result to [n_t] or [n_t, k] at its t, found shape {array.shape}")
-    return {name: array} if array.ndim == 1 else {f"{name} {k + 1}": column for k, column in enumerate(array.T)}
+    one = next(iter(series(run, {name: item})))
+    stem = "" if one.what == "position" else one.what or name
+    labels = [" ".join(filter(None, (stem, component))) for component in one.components]
+    return Plot("outputs", name, one.unit, dict(zip(labels, one.values.T)))
 
 
 def _reactions(run: Result, chosen: dict[str, Any]) -> list[Plot]:
@@ -139,7 +118,7 @@ def _reactions(run: Result, chosen: dict[str, Any]) -> list[Plot]:
     for name, joint in joints.items():
         try:
             found += _reaction(run, name, joint)
-        except (LookupError, SimulationError) as error:  # functions of time that a file could not keep
+        except LOST as error:
             return [Plot("reactions", "Reactions", "", {}, note=f"not to be had: {error}")]
     if found and len(every) > len(joints):
         found[-1].note += f" {len(every) - len(joints)} more joints are not shown: name them in outputs=."
@@ -164,18 +143,12 @@ def _reaction(run: Result, name: str, joint: Any) -> list[Plot]:
     return shown
 
 
-def _errors(verification: Any) -> list[Plot]:
-    """Estimated errors of outputs over time, a plot for each unit, where a verification has them."""
-    t, errors = getattr(verification, "t", None), getattr(verification, "errors", None)
-    if t is None or not isinstance(errors, dict):
+def _errors(verification: Verification | None) -> list[Plot]:
+    """Estimated errors of outputs over time, a plot for each unit."""
+    if verification is None:
         return []
-    times = np.asarray(t, dtype=float)
-    units = {row.output: row.unit for row in getattr(verification, "rows", ()) if hasattr(row, "output") and hasattr(row, "unit")}
     found: dict[str, Plot] = {}
-    for name, values in errors.items():
-        size = np.abs(np.asarray(values, dtype=float))
-        size = np.linalg.norm(size, axis=-1) if size.ndim > 1 else size
-        if size.shape == times.shape:
-            unit = units.get(name, "of the output")
-            found.setdefault(unit, Plot("errors", "Estimated errors", unit, {}, times, log=True)).curves[str(name)] = size
+    for row in verification.rows:
+        plot = found.setdefault(row.unit, Plot("errors", "Estimated errors", row.unit, {}, verification.t, log=True))
+        plot.curves[row.output] = verification.errors[row.output]
     return list(found.values())

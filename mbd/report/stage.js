@@ -5,7 +5,8 @@ const camera = { scale: 1, u: 0, v: 0, azimuth: run.view[0], elevation: run.view
 const size = { width: 300, height: 150 };
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 let ink = {};
-const colours = () => { ink = Object.fromEntries(["paper", "ink", "quiet", "line", "grid", "c0", "c1", "c2", "c3", "c4", "c5", "c6"].map((n) => [n, css("--" + n)])); };
+const INKS = ["paper", "ink", "quiet", "line", "grid", "c0", "c1", "c2", "c3", "c4", "c5", "c6"];
+const colours = () => { ink = Object.fromEntries(INKS.map((name) => [name, css("--" + name)])); };
 const SOLIDS = ["c0", "c2", "c3", "c4", "c5"], TRACKS = ["c1", "c6", "c3", "c2", "c0", "c4"];
 const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3], [14, 4], [4, 2, 1, 2]];
 const bodies = [...new Set(shapes.filter((s) => ["body", "cable", "beam", "particle"].includes(s.kind)).map((s) => s.item))];
@@ -26,7 +27,10 @@ const dot = (a, b) => { let sum = 0; for (let i = 0; i < d; i++) sum += a[i] * b
 let looking = axes();
 
 /** Pixels of a point about the origin of the data. */
-const screen = (p) => [size.width / 2 + (dot(looking[0], p) - camera.u) * camera.scale, size.height / 2 - (dot(looking[1], p) - camera.v) * camera.scale];
+const screen = (p) => [
+  size.width / 2 + (dot(looking[0], p) - camera.u) * camera.scale,
+  size.height / 2 - (dot(looking[1], p) - camera.v) * camera.scale,
+];
 
 const MARGIN = { left: 52, right: 24, top: 56, bottom: 40 };
 
@@ -115,6 +119,7 @@ function floor() {
 
 const place = (now, shape) => shape.at.map((index) => screen(point(now, index)));
 
+const GHOSTLY = ["beam", "rod", "arm", "hull", "disc"];
 /** Shapes of several times before t, faint. */
 function drawGhosts(t, count = 8) {
   pen.globalAlpha = 0.25;
@@ -122,7 +127,7 @@ function drawGhosts(t, count = 8) {
     const then = tStart + (k / count) * (tEnd - tStart);
     if (then >= t) break;
     const now = pose(then);
-    for (const shape of shapes) if (["beam", "rod", "arm", "hull", "disc"].includes(shape.form)) OUTLINES[shape.form](place(now, shape), solid(shape.item));
+    for (const shape of shapes) if (GHOSTLY.includes(shape.form)) OUTLINES[shape.form](place(now, shape), solid(shape.item));
   }
   pen.globalAlpha = 1;
 }
@@ -131,7 +136,9 @@ function drawGhosts(t, count = 8) {
 function drawTrails(t, which) {
   outputs.forEach((shape, k) => {
     const path = [], index = shape.at[0];
-    for (let f = 0; f < times.length && (which === "whole" || times[f] <= t); f++) path.push(screen(points.subarray(f * width + index * d, f * width + index * d + d)));
+    for (let f = 0; f < times.length && (which === "whole" || times[f] <= t); f++) {
+      path.push(screen(point(points.subarray(f * width, f * width + width), index)));
+    }
     if (which !== "whole") path.push(screen(point(pose(t), index)));
     line(path, track(k), 1.5, DASHES[k % DASHES.length]);
   });
@@ -146,7 +153,9 @@ function drawStage(t, options) {
   if (options.trails !== "none") drawTrails(t, options.trails);
   const now = pose(t), far = (shape) => (d === 3 ? dot(looking[2], point(now, shape.at[0])) : 0);
   const order = d === 3 ? [...shapes].sort((a, b) => far(a) - far(b)) : shapes;
-  for (const pass of [UNDER, OUTLINES, SYMBOLS]) for (const shape of order) if (pass[shape.form]) pass[shape.form](place(now, shape), solid(shape.item), shape, t);
+  for (const pass of [UNDER, OUTLINES, SYMBOLS]) {
+    for (const shape of order) if (pass[shape.form]) pass[shape.form](place(now, shape), solid(shape.item), shape, t);
+  }
   outputs.forEach((shape, k) => follow(place(now, shape)[0], k));
   if (options.names) names(now);
 }

@@ -71,14 +71,20 @@ const SYMBOLS = {
     disc(p[0], 4.5, ink.paper);
   },
   ball: ([p]) => disc(p, 5, ink.quiet),
-  universal: ([p]) => { disc(p, 5.5, ink.paper); line([[p[0] - 4, p[1] - 4], [p[0] + 4, p[1] + 4]], ink.ink, 1.3); line([[p[0] - 4, p[1] + 4], [p[0] + 4, p[1] - 4]], ink.ink, 1.3); },
+  universal: ([[x, y]]) => {
+    disc([x, y], 5.5, ink.paper);
+    for (const side of [-4, 4]) line([[x - 4, y - side], [x + 4, y + side]], ink.ink, 1.3);
+  },
   clamp: (p) => block(p[0], heading(p), 7, 16, ink.quiet),
   slider: (p) => block(p[0], heading(p), 20, 11, ink.paper),
   follower: (p) => block(p[0], heading(p), 11, 8, ink.paper),
   planar: (p) => block(p[0], heading(p), 14, 14, ink.paper),
   sleeve: ([p]) => disc(p, 6, "transparent"),
   prescribed: ([p]) => block(p, Math.PI / 4, 9, 9, ink.paper),
-  edge: (p) => line([p[0].map((x, i) => x - 12 * Math.cos(heading(p) - i * Math.PI / 2)), p[0].map((x, i) => x + 12 * Math.cos(heading(p) - i * Math.PI / 2))], ink.ink, 3),
+  edge: (p) => {
+    const [[x, y]] = p, [u, v] = [12 * Math.cos(heading(p)), 12 * Math.sin(heading(p))];
+    line([[x - u, y - v], [x + u, y + v]], ink.ink, 3);
+  },
   motor: ([p]) => arc(p, 12, ink.c4),
   torque: ([p]) => arc(p, 15, ink.c1),
   "torsion spring": ([p]) => { arc(p, 9, ink.ink); },

@@ -14,9 +14,11 @@ import numpy as np
 from .. import __version__
 from ..audit import Audit
 from ..diagnosis import Structure
+from ..errors import SceneError
 from ..marker import Marker
 from ..result import Result
 from ..scene import Scene
+from ..verification.verification import Verification
 from ..vibration import Modes
 from .quantities import LONGEST, array, number, place, shown, unit_of
 
@@ -138,16 +140,9 @@ def reproduction(result: Result) -> str:
     """What it takes to run it again: the call, the settings, the versions."""
     import scipy
 
-    pieces = result.trajectory.pieces()
-    solvers = list(dict.fromkeys(repr(piece.solver) for piece in pieces))
-    start, end, rtol = float(pieces[0].t[0]), float(result.trajectory.t[-1]), float(result.stats["rtol"])
-    options = [f"t_end={number(end)}", f"rtol={number(rtol)}"]
-    if len(solvers) == 1:
-        options.append(f"solver=mbd.{solvers[0]}")
-    if start:
-        options.append(f"start=mbd.State(q, v, t={number(start)})")
+    solvers = list(dict.fromkeys(repr(piece.solver) for piece in result.trajectory.pieces()))
     rows = [
-        ("run", f"<code>mbd.simulate(scene, {text(', '.join(options))})</code>"),
+        ("run", f"<code>{text(_call(result, solvers))}</code>"),
         ("solver", _listed(solvers, 6)),
         ("gravity", text(array(np.asarray(result.scene.gravity))) + " m/s²"),
         ("coordinates, equations", f"{result.system.n}, {result.system.m}"),
@@ -158,3 +153,36 @@ def reproduction(result: Result) -> str:
         ("report written", text(datetime.now().astimezone().isoformat(timespec="seconds"))),
     ]
     return table([(name, cell) for name, cell in rows])
+
+
+def _call(result: Result, solvers: Sequence[str]) -> str:
+    """The call that made it."""
+    start, end = float(result.trajectory.t[0]), float(result.trajectory.t[-1])
+    if "rtol" not in result.stats:
+        return f"mbd.kinematics(scene, times)  # {len(result.t)} from {number(start)} to {number(end)} s"
+    options = [f"t_end={number(end)}", f"rtol={number(float(result.stats['rtol']))}"]
+    options += [f"solver=mbd.{solvers[0]}"] if len(solvers) == 1 else []
+    options += [f"start=mbd.State(q, v, t={number(start)})"] if start else []
+    return f"mbd.simulate(scene, {', '.join(options)})"
+
+
+def scene_file(scene: Scene) -> str:
+    """The scene as a file that ``mbd.read_scene`` reads, or why it cannot be one."""
+    from ..files.writing import scene_data, toml
+
+    try:
+        return f'<div class="wide"><pre>{text(toml(scene_data(scene)))}</pre></div>'
+    except SceneError as error:
+        return _listed(error.complaints)
+
+
+def verification(found: Verification) -> str:
+    """The rows as a table, and what else it says."""
+    head = ("output", "worst error", "unit", "at t [s]", "range", "order", "verdict")
+    cells = [(row.output, _quoted(row.worst), row.unit, _quoted(row.at), f"{row.range:.4g}", _quoted(row.order), row.verdict) for row in found.rows]
+    return table([tuple(map(text, row)) for row in cells], head) + f"<p>{_listed(found.remarks())}</p>"
+
+
+def _quoted(value: float) -> str:
+    """A number, or nothing where there is none."""
+    return f"{value:.2g}" if np.isfinite(value) else ""

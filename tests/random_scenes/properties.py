@@ -99,7 +99,6 @@ def judge_result(plan: Plan, result: mbd.Result, told: list[str]) -> None:
     adaptive = plan.solver is None or "step" not in plan.solver[1]
     event(f"energy balanced within 1e{int(np.ceil(np.log10(max(imbalance, 1e-12))))}, {'adaptive' if adaptive else 'fixed steps'}")
     assert audit.balanced or any("energy" in line for line in told)
-    assert not adaptive or audit.balanced
 
 
 def run(plan: Plan, **words: Any) -> tuple[Scene, mbd.Result]:
@@ -152,16 +151,20 @@ def in_two_parts(plan: Plan) -> None:
 
 
 def saved_and_loaded(plan: Plan) -> None:
-    """To the last bit; values between steps too, where the scene has no functions."""
+    """To the last bit, and the audit with it, where the scene has no functions of time: these cannot be stored, and values of several parts at
+    the steps of one of them ask for them."""
     _, result = run(plan)
     with warnings.catch_warnings(), tempfile.TemporaryDirectory() as folder:
         warnings.simplefilter("ignore", mbd.SceneWarning)
         path = Path(folder) / "run.npz"
         result.save(path)
         loaded = mbd.load(path)
-    for name in ("t", "q", "v"):
-        np.testing.assert_array_equal(getattr(loaded, name), getattr(result, name))
-    assert loaded.audit == result.audit if not _functions(plan) else True
+    assert loaded.stats["solver"] == result.stats["solver"]
+    if not _functions(plan):
+        assert loaded.audit == result.audit
+    if not _functions(plan) or "parts" not in result.stats:
+        for name in ("t", "q", "v"):
+            np.testing.assert_array_equal(getattr(loaded, name), getattr(result, name))
     np.testing.assert_array_equal(loaded.scene.coordinates(), result.scene.coordinates())
 
 

@@ -43,7 +43,7 @@ def main_job() -> tuple[mbd.Result, str]:
     scene, rod, pivot = flexible_pendulum()
     run = mbd.simulate(scene, 1.2, rtol=1e-5)
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "run.html"
+        path = Path(folder) / "flexible pendulum.html"
         run.report(path, outputs={"rod.end": rod.end, "middle": rod.at(0.5), "pivot": pivot})
         return run, path.read_text(encoding="utf-8")
 
@@ -56,6 +56,14 @@ def heavy_top() -> mbd.Result:
     top = scene.add(mbd.RigidBody(name="top", **numbers))
     scene.add(mbd.Ball(top.at(0, 0, -1), scene.ground.at(0, 0, 0), name="tip"))
     return mbd.simulate(scene, 0.2)
+
+
+@cache
+def long_named() -> mbd.Result:
+    """A body whose name has no place to break."""
+    scene = mbd.Scene()
+    scene.add(mbd.RigidBody(mass=1.0, inertia=1.0, position=(0, 0), name="b" * 150))
+    return mbd.simulate(scene, 0.1)
 
 
 class Reader(HTMLParser):

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .scenes import heavy_top, main_job, slider_crank
+from .scenes import heavy_top, long_named, main_job, slider_crank
 
 webdriver = pytest.importorskip("selenium.webdriver", reason='selenium is not installed: pip install "mbd[test]"')
 
@@ -87,6 +87,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     (folder / "pendulum.html").write_text(text, encoding="utf-8")
     heavy_top().report(folder / "top.html", outputs={"top": heavy_top().scene["top"].at()})
     slider_crank().report(folder / "crank.html")
+    long_named().report(folder / "names.html", outputs={"n" * 150: long_named().scene["b" * 150], "f" * 150: lambda run: run.q}, title="t" * 150)
     (folder / "notebook.html").write_text(f"<!DOCTYPE html><body>{slider_crank()._repr_html_()}</body>", encoding="utf-8")
     return {path.stem: path for path in folder.iterdir()}
 
@@ -299,7 +300,7 @@ def test_dark_is_readable(page):
         page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 
 
-@pytest.mark.parametrize("name", ["pendulum", "top", "crank"])
+@pytest.mark.parametrize("name", ["pendulum", "top", "crank", "names"])
 def test_a_phone_shows_it_without_scrolling_aside(phone, pages, name):
     phone.open(pages[name])
     document, window = phone.width()
@@ -326,14 +327,16 @@ def test_texts_of_the_page_do_not_overlap(page):
 def test_screenshots(desktop, phone, pages):
     folder = Path(os.environ["MBD_SCREENSHOTS"])
     folder.mkdir(parents=True, exist_ok=True)
-    for name, browser, page, t in (
-        ("report-desktop", desktop, "pendulum", 0.84),
-        ("report-phone", phone, "pendulum", 0.84),
-        ("report-space", desktop, "top", 0.15),
-        ("report-crank", desktop, "crank", 0.15),
+    for name, browser, page, t, top in (
+        ("report-desktop", desktop, "pendulum", 0.84, "header"),
+        ("report-phone", phone, "pendulum", 0.84, "header"),
+        ("report-space", desktop, "top", 0.15, "header"),
+        ("report-crank", desktop, "crank", 0.15, "header"),
+        ("report-plots", desktop, "pendulum", 0.84, "#plots"),
     ):
         browser.open(pages[page])
         browser.do("document.getElementById('ghosts').click(); mbdReport.seek(arguments[0])", t)
+        browser.do("document.querySelector(arguments[0]).scrollIntoView()", top)
         browser.driver.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
         browser.driver.save_screenshot(str(folder / f"{name}.png"))
         assert (folder / f"{name}.png").stat().st_size < 300_000

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import mbd
-from mbd.verify_meshes import carried, doublings, remeshed
+from mbd.verification.meshes import carried, doublings, remeshed
 
 from .. import machines
 
@@ -61,7 +61,7 @@ def test_which_meshes_are_compared() -> None:
 
 def truth(kind: Any, n: int, t: np.ndarray) -> np.ndarray:
     scene = falling(kind, n)
-    return np.asarray(mbd.simulate(scene, t[-1], rtol=1e-9, t_eval=t).position(scene["rod"].end))
+    return np.asarray(mbd.simulate(scene, t[-1], rtol=1e-7, t_eval=t).position(scene["rod"].end))
 
 
 def falling(kind: Any, n: int) -> mbd.Scene:
@@ -72,15 +72,15 @@ def falling(kind: Any, n: int) -> mbd.Scene:
     return scene
 
 
-@pytest.mark.parametrize(("kind", "n"), [(mbd.AncfCable, 4), (mbd.AncfCable, 3), (mbd.GeometricallyExactBeam, 4), (mbd.CorotationalBeam, 8)])
+@pytest.mark.parametrize(("kind", "n"), [(mbd.AncfCable, 4), (mbd.AncfCable, 3), (mbd.GeometricallyExactBeam, 2), (mbd.CorotationalBeam, 4)])
 def test_the_error_of_a_mesh(kind: Any, n: int) -> None:
-    """Against a mesh eight times as fine: within three times the estimate at all times, and not below a hundredth of it."""
+    """Against a mesh six times as fine: within three times the estimate at all times, and not below a hundredth of it."""
     scene = falling(kind, n)
-    times = np.linspace(0.02, 0.4, 20)
-    found = mbd.verify(scene, 0.4, outputs={"tip": scene["rod"].end}, rtol=1e-5, t_eval=times, meshes=True)
+    times = np.linspace(0.02, 0.25, 12)
+    found = mbd.verify(scene, 0.25, outputs={"tip": scene["rod"].end}, rtol=1e-5, t_eval=times, meshes=True)
     assert found.ok, str(found)
     assert found.rows[0].mesh_order > 1.0
-    error = np.linalg.norm(found.result.position(scene["rod"].end) - truth(kind, 8 * n, times), axis=1)
+    error = np.linalg.norm(found.result.position(scene["rod"].end) - truth(kind, 6 * n, times), axis=1)
     assert np.all(error <= 3.0 * found.errors["tip"])
     assert error.max() >= 0.01 * found.errors["tip"].max()
     assert np.all(found.errors["tip"] == found.time_errors["tip"] + found.mesh_errors["tip"])

@@ -1,6 +1,6 @@
 """``verify``: a result with an estimated error of each output, or the reason why none can be quoted.
 
-The runs are those of ``verify_runs.py``; what their differences say is in ``verify_estimates.py``, other meshes in ``verify_mesh_error.py``.
+The runs are those of ``runs.py``; what their differences say is in ``estimates.py``, other meshes in ``mesh_error.py``.
 """
 
 from __future__ import annotations
@@ -12,16 +12,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .affine import Array
-from .result import Result
-from .state import State
-from .verify_estimates import Estimate, Growth, Values, envelope, estimate, growth, plausible
-from .verify_mesh_error import Build, Mesh, MeshEstimate, mesh_estimate, other_meshes
-from .verify_outputs import Output, outputs_of
-from .verify_runs import Compared, Ladder, climb, compared
+from ..affine import Array
+from ..displayed import Displayed
+from ..result import Result
+from ..state import State
+from .estimates import Estimate, Growth, Values, envelope, estimate, growth, plausible
+from .mesh_error import Build, Mesh, MeshEstimate, mesh_estimate, other_meshes
+from .outputs import Output, outputs_of
+from .runs import Compared, Ladder, climb, compared
 
 if TYPE_CHECKING:
-    from .scene import Scene
+    from ..scene import Scene
 
 
 class Row(NamedTuple):
@@ -40,7 +41,7 @@ class Row(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Verification:
+class Verification(Displayed):
     """What ``verify`` found. Prints as a table.
 
     result       the finest run, a mbd.Result
@@ -48,7 +49,7 @@ class Verification:
     time_errors  those of the time steps alone;  mesh_errors: of the mesh alone, empty where no other was asked for
     rows         a row for each output, as in the table
     growth       how neighbouring motions part: the finite-time ``exponent`` [1/s], and whether that is ``exponential``
-    settings     tolerances of the three runs, or their steps [s] where those are ``fixed``
+    settings     tolerances of the three runs (of two where there was none to observe an order by), or their steps [s] where those are ``fixed``
     """
 
     result: Result
@@ -57,7 +58,7 @@ class Verification:
     mesh_errors: dict[str, Array]
     rows: list[Row]
     growth: Growth
-    settings: tuple[float, float, float]
+    settings: tuple[float, ...]
     fixed: bool
 
     @property
@@ -75,8 +76,14 @@ class Verification:
         """The time [s] until which all outputs are predictable: the end of the run, or an earlier one."""
         return min(row.until for row in self.rows)
 
+    def remarks(self) -> list[str]:
+        """What was compared, how neighbouring motions part, and what can be done where something is lost."""
+        from .text import remarks
+
+        return remarks(self)
+
     def __str__(self) -> str:
-        from .verify_text import text
+        from .text import text
 
         return text(self)
 
@@ -96,7 +103,7 @@ def verify(
 
     outputs  names, each with a marker (its position), a body (its angle, in space its rotation [rad]), a joint (force and moment of its
              reaction), or a function of a mbd.Result that returns [n_t] or [n_t, k] at its times
-    rtol     as of ``simulate``; further runs take 100 rtol and about rtol/10, and the tightest is the result. Solvers with fixed steps take
+    rtol     as of ``simulate``; further runs take 1000 rtol and about rtol/10, and the tightest is the result. Solvers with fixed steps take
              twice and half of theirs
     meshes   True: runs on two other meshes as well, with half and twice as many elements in all beams (where a number is odd, twice and four
              times), each for a price of its own. Or a function that makes a scene and its outputs for a factor 0.5 and 2 of all elements: needed
@@ -105,7 +112,8 @@ def verify(
 
     Errors are those of solving the equations described. True ones were between 1/100 of the estimate and 3 times it on all reference cases
     (docs/verify.md). None is quoted where the observed order contradicts the method's, nor from where an output is lost: where its error
-    exceeds a tenth of its range, as neighbouring motions part or rtol is too large.
+    exceeds a tenth of its range, as neighbouring motions part or rtol is too large. With rtol above 3e-5, and
+    in runs of a few steps, no order is observed.
 
     Raises ValueError for arguments that make no sense, SceneError and SimulationError as ``simulate``.
     """
@@ -122,7 +130,7 @@ def verify(
         mesh_errors={one.row.output: one.by_mesh for one in found if others},
         rows=[one.row for one in found],
         growth=growth(runs.times, _apart(runs)),
-        settings=ladder.settings,
+        settings=ladder.settings if ladder.coarse else ladder.settings[1:],
         fixed=ladder.order is not None,
     )
 
@@ -142,7 +150,7 @@ def _values(watched: list[Output], runs: Compared) -> list[tuple[Output, Values]
     found = []
     for output in watched:
         coarse = None if runs.coarse is None else output.values(runs.coarse)
-        values = Values(runs.times, coarse, runs.seldom, output.values(runs.middle), output.values(runs.fine))
+        values = Values(runs.times, coarse, runs.seldom, output.values(runs.middle), output.values(runs.fine), runs.density)
         if not output.optional or np.any(values.fine):
             found.append((output, values))
     return found

@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .affine import Array
-from .result import Result
-from .run import simulate
-from .verify_estimates import order_of
-from .verify_meshes import carried_outputs, doublings, remeshed
-from .verify_outputs import Output, outputs_of
+from ..affine import Array
+from ..result import Result
+from ..run import simulate
+from .estimates import order_of
+from .meshes import carried_outputs, doublings, remeshed
+from .outputs import Output, outputs_of
 
 if TYPE_CHECKING:
-    from .scene import Scene
+    from ..scene import Scene
 
 Build = Callable[[float], "tuple[Scene, Mapping[str, Any]]"]
 

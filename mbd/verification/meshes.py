@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from .marker import Marker
-from .parts import links_in
-from .scene import Scene
+from ..marker import Marker
+from ..parts import links_in
+from ..scene import Scene
 
 
 def doublings(scene: Scene) -> tuple[int, int]:

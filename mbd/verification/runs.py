@@ -1,16 +1,17 @@
 """The runs behind ``verify``: three of one scene, from coarse to fine, at times that all of them share.
 
-Adaptive solvers take the tolerances 100 rtol, rtol and rtol/10, so far apart that errors follow them in spite of their irregularities. The first
-is cheap; above LOOSEST, where other things than the tolerance limit steps, it is left out. The last is taken less tight where work grows so fast
-that all three would cost more than SPENT times the one in the middle. Solvers with fixed steps take 2 h, h and h/2.
+Adaptive solvers take the tolerances 1000 rtol, rtol and rtol/10, so far apart that errors follow them in spite of their irregularities. The first
+is cheap. It is not looser than LOOSEST, above which other things than the tolerance limit steps, and left out where that is too near. The last is
+taken less tight where work grows so fast that all three would cost more than SPENT times the one in the middle, and by the same method. Solvers
+with fixed steps take 2 h, h and h/2.
 
-Values between steps cost as much as steps: runs are compared at few times, steps of the finest one, and the coarsest at every third of them only.
+Values between steps cost as much as steps: runs are compared at steps of the finest one, as many as can be afforded, the coarsest at some of them.
 """
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -18,24 +19,28 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .affine import Array
-from .errors import SimulationError
-from .result import Result
-from .run import simulate
-from .state import State
+from ..affine import Array
+from ..errors import SimulationError
+from ..result import Result
+from ..run import simulate
+from ..state import State
 
 if TYPE_CHECKING:
-    from .scene import Scene
+    from ..scene import Scene
 
-LOOSER, TIGHTER, LOOSEST, TIGHTEST = 100.0, 10.0, 1e-3, 1e-14
+LOOSER, TIGHTER, LOOSEST, TIGHTEST = 1000.0, 10.0, 1e-3, 1e-14
 APART = 30.0
 """The coarsest run's tolerance is at least so many times rtol, or there is none."""
-SPENT = 2.85
-"""Work of all runs over that of the one asked for, by forecast; comparing them comes on top."""
-SHARE, FEWEST, MOST = 0.1, 6, 200
-"""Runs are compared at this share of the finest one's steps, within these numbers."""
-EVERY = 3
-"""Of these times, the last among them, one in so many serves the coarsest run."""
+SHORT = 20
+"""Steps: shorter runs leave nothing to pay a third one with."""
+SPENT, IN_ALL = 2.8, 3.15
+"""Work of all runs over that of the one asked for, by forecast, and with their comparison."""
+FEWEST, MOST = 6, 400
+"""Runs are compared at so many times at least and at most."""
+BETWEEN = 1.2
+"""What a value between two steps costs, in steps."""
+EVERY = 4
+"""Of the times of comparison, the last among them, one in so many serves the coarsest run."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,16 +60,24 @@ class Ladder:
     def times(self) -> Array:
         """Of comparison: steps of the finest run that are spread evenly; of fixed steps, those of the coarsest, which all have."""
         own = (self.runs[1] if self.order is None else self.coarse or self.runs[0]).trajectory.t
-        count = min(max(round(SHARE * own.size), FEWEST), MOST, own.size)
+        affordable = MOST if self.order is not None else self._affordable()
+        count = min(max(affordable, FEWEST), MOST, own.size)
         return own[np.unique(np.round(np.linspace(0, own.size - 1, count)).astype(int))]
+
+    def _affordable(self) -> int:
+        """So many times of comparison cost what the runs have left of IN_ALL."""
+        works = [_work(run) for run in (self.coarse, *self.runs) if run is not None]
+        readings = 1.0 if self.coarse is None else 1.0 + 1.0 / EVERY
+        left = IN_ALL - sum(works) / _work(self.runs[0])
+        return round(left * self.runs[0].stats["steps"] / (BETWEEN * readings))
 
 
 def climb(scene: Scene, t_end: float, rtol: float, solver: Any, t_eval: ArrayLike | None, start: State | None) -> Ladder:
     """The three runs. Raises SimulationError where one of the two finer ones stops."""
     step = getattr(solver, "step", None)
 
-    def run(setting: float, times: ArrayLike | None = None) -> Result:
-        chosen = solver if step is None else replace(solver, step=setting)
+    def run(setting: float, times: ArrayLike | None = None, of: Any = solver) -> Result:
+        chosen = of if step is None else replace(of, step=setting)
         return simulate(scene, t_end, rtol=setting if step is None else rtol, solver=chosen, t_eval=times, start=start)
 
     middle = rtol if step is None else float(step)
@@ -72,13 +85,35 @@ def climb(scene: Scene, t_end: float, rtol: float, solver: Any, t_eval: ArrayLik
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # all runs would warn of the same
         coarse = min(LOOSER * rtol, LOOSEST) if step is None else 2.0 * middle
-        first: Result | None = None
-        if step is not None or coarse >= APART * rtol:
-            with suppress(SimulationError):
-                first = run(coarse)
+        worth = step is not None or (coarse >= APART * rtol and result.stats["steps"] >= SHORT)
+        first = _unless_it_fails(run, coarse) if worth else None
         fine = max(middle / _factor(first, result, coarse / rtol), TIGHTEST) if step is None else 0.5 * middle
-        finest = run(fine, t_eval)
+        finest = run(fine, t_eval, _alike(scene, solver, rtol))
     return Ladder(first, (result, finest), (coarse, middle, fine), _order(solver, rtol) if step is not None else None)
+
+
+def _unless_it_fails(run: Callable[[float], Result], setting: float) -> Result | None:
+    try:
+        return run(setting)
+    except SimulationError as stop:
+        if stop.what == "interrupted":
+            raise
+        return None
+
+
+def _alike(scene: Scene, solver: Any, rtol: float) -> Any:
+    """The solver with the stages that it takes at rtol: with more of them, errors would fall by far more than the tolerance."""
+    from ..solvers import Radau
+    from .solvers.automatic import default
+
+    adaptive = Radau()
+    by_itself = solver == adaptive or (solver is None and all(default(part.system)[0] == adaptive for part in scene.parts()))
+    return Radau(adaptive.integrator(rtol).table.stages) if by_itself else solver
+
+
+def _work(run: Result) -> int:
+    """Newton iterations, of explicit methods evaluations."""
+    return max(int(run.stats["newton iterations"]), 1)
 
 
 def _order(solver: Any, rtol: float) -> int:
@@ -89,7 +124,7 @@ def _factor(loose: Result | None, result: Result, ratio: float) -> float:
     """How much tighter the finest run may be: as work has grown from the loose run to this one, forecast to go on."""
     if loose is None:
         return TIGHTER
-    work = result.stats["newton iterations"] / max(loose.stats["newton iterations"], 1)
+    work = _work(result) / _work(loose)
     per_decade = max(work ** (1.0 / np.log10(ratio)), 1.0 + 1e-9)
     left = SPENT - 1.0 - 1.0 / work
     return float(10.0 ** min(1.0, np.log(left) / np.log(per_decade))) if left > 1.0 else TIGHTER**0.5
@@ -97,7 +132,7 @@ def _factor(loose: Result | None, result: Result, ratio: float) -> float:
 
 class Compared(NamedTuple):
     """Runs as results at common times [k]: the middle and the finest one, and others, of other meshes; the coarsest, if there is one, only
-    at those which ``seldom`` counts."""
+    at those which ``seldom`` counts. ``density``: of these times, as a share of the finest run's steps."""
 
     times: Array
     coarse: Result | None
@@ -105,22 +140,21 @@ class Compared(NamedTuple):
     middle: Result
     fine: Result
     others: list[Result]
+    density: float
 
 
 def compared(ladder: Ladder, others: Sequence[Result]) -> Compared:
     """Times at which one of the runs has no values (a singular position between steps) are left out."""
     times, (middle, fine, *more) = sampled([*ladder.runs, *others], ladder.times())
-    seldom = np.arange(times.size)[::-EVERY][::-1]
-    if ladder.coarse is None:
-        return Compared(times, None, seldom, middle, fine, more)
-    few, (coarse,) = sampled([ladder.coarse], times[seldom])
-    return Compared(times, coarse, np.searchsorted(times, few), middle, fine, more)
+    few, coarse = sampled([] if ladder.coarse is None else [ladder.coarse], times[::-EVERY][::-1])
+    density = min(times.size / fine.trajectory.t.size, 1.0)
+    return Compared(times, coarse[0] if coarse else None, np.searchsorted(times, few), middle, fine, more, density)
 
 
 def sampled(runs: Sequence[Result], times: Array) -> tuple[Array, list[Result]]:
     """Runs as results at those of the times at which all of them have values."""
     motions = [_motion(run, times) for run in runs]
-    good = np.all([np.isfinite(q).all(axis=1) for q, _ in motions], axis=0)
+    good = np.all([np.ones(times.size, dtype=bool), *(np.isfinite(q).all(axis=1) for q, _ in motions)], axis=0)
     return times[good], [
         Result(run.scene, run.system, run.trajectory, run.stats, run.assembly, (times[good], q[good], v[good]), run.events)
         for run, (q, v) in zip(runs, motions)

@@ -5,7 +5,8 @@ Runs 0, 1, 2, from coarse to fine, with tolerances or steps h_0, h_1, h_2. Where
     |y2 - exact| = |y1 - y2| / ((h_1/h_2)^p - 1)                       the error of the finest run.
 The order p of fixed steps is known, and is used where the observed one confirms it. Errors follow tolerances less smoothly: p is taken as observed,
 but not above 1/2 (on the reference cases true errors are 0.01 to 1 times |y1 - y2| when these tolerances are ten apart). Differences pass
-through zero by accident where errors do not: at each time the largest one nearby counts.
+through zero by accident where errors do not: at each time the largest one nearby counts. Where only one step in n is compared, a difference is
+taken for sqrt(n) of what is seen: peaks, of forces above all, lie between.
 """
 
 from __future__ import annotations
@@ -15,13 +16,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .affine import Array
+from ..affine import Array
 
 CAUTIOUS, POWER = 0.3, 0.5
 """Of the tolerance: errors are taken to fall as fast as observed between these powers, where nothing could be observed like the first."""
 LEAST_POWER, LEAST_ORDER = 0.1, 0.7
 """What is observed must reach this power of the tolerance, and this share of the order of fixed steps."""
-NEARBY = 0.1
+NEARBY = 0.2
 """Share of the run, to either side of a time, in which the largest difference counts; but two times of comparison at least."""
 LOST, NOTHING = 0.1, 1e-3
 """An output is lost where its error exceeds this share of its range, and also this share of its size."""
@@ -54,18 +55,20 @@ def order_of(coarse: Array, fine: Array, ratios: tuple[float, float]) -> float:
 
 
 class Values(NamedTuple):
-    """Of one output: [k, m] in the middle and the finest run at times [k], and in the coarsest, if there is one, at ``times[seldom]``."""
+    """Of one output: [k, m] in the middle and the finest run at times [k], and in the coarsest, if there is one, at ``times[seldom]``; the
+    times are a share ``density`` of the finest run's steps."""
 
     times: Array
     coarse: Array | None
     seldom: NDArray[np.intp]
     middle: Array
     fine: Array
+    density: float = 1.0
 
 
 def estimate(values: Values, ratios: tuple[float, float], order: int | None, size: float) -> Estimate:
     """``order``: of fixed steps, None for tolerances; ``size``: of the output."""
-    difference = np.linalg.norm(values.middle - values.fine, axis=1)
+    difference = np.linalg.norm(values.middle - values.fine, axis=1) / np.sqrt(values.density)
     reach = float(np.linalg.norm(np.ptp(values.fine, axis=0)))
     limit = max(LOST * reach, NOTHING * size)
     floor = ROUNDING * float(np.max(np.abs(values.fine), initial=0.0))
@@ -79,7 +82,7 @@ def _observed(values: Values, difference: Array, ratios: tuple[float, float], li
     """The order while the coarsest run is not lost itself, and unless all is rounding."""
     if values.coarse is None:
         return np.nan
-    times, fine = values.times[values.seldom], difference[values.seldom]
+    times, fine = values.times[values.seldom], difference[values.seldom] * np.sqrt(values.density)
     coarse = np.linalg.norm(values.coarse - values.middle[values.seldom], axis=1)
     seen = times < _first(times, coarse > limit)
     if np.count_nonzero(seen) < 2 or np.max(fine[seen]) < NOISE * floor:
@@ -87,7 +90,7 @@ def _observed(values: Values, difference: Array, ratios: tuple[float, float], li
     return order_of(coarse[seen], fine[seen], ratios)
 
 
-def _first(times: Array, where: Array) -> float:
+def _first(times: Array, where: NDArray[np.bool_]) -> float:
     return float(times[np.argmax(where)]) if where.any() else np.inf
 
 

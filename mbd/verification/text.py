@@ -17,7 +17,12 @@ def text(report: Verification) -> str:
     lines = [head, *(_cells(row, mesh) for row in report.rows)]
     widths = [max(len(line[k]) for line in lines) for k in range(len(head))]
     table = ["  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in lines]
-    return "\n".join([*table, _compared(report), *_parting(report), *_advice(report)])
+    return "\n".join([*table, *remarks(report)])
+
+
+def remarks(report: Verification) -> list[str]:
+    """What was compared, how neighbouring motions part, and what can be done where something is lost."""
+    return [_compared(report), *_parting(report), *_advice(report)]
 
 
 def _cells(row: Row, mesh: bool) -> list[str]:
@@ -52,9 +57,9 @@ def _advice(report: Verification) -> list[str]:
     exponent, exponential = report.growth
     if not exponential:
         return ["beyond, errors exceed a tenth of an output's range: try a smaller rtol, or a smaller step"]
-    needed = report.settings[1] * float(np.exp(-min(exponent * (t[-1] - until), 700.0)))
+    needed = report.settings[-2] * float(np.exp(-min(exponent * (t[-1] - until), 700.0)))
     if report.fixed:
-        return [f"t = {t[-1]:.4g} s needs errors {needed / report.settings[1]:.0e} times as large"]
+        return [f"t = {t[-1]:.4g} s needs errors {needed / report.settings[-2]:.0e} times as large"]
     if needed >= 1e-13:
         return [f"t = {t[-1]:.4g} s needs about rtol {needed:.0e}"]
     return [f"t = {t[-1]:.4g} s is out of reach of any tolerance, as rounding grows as much"]

@@ -1,0 +1,53 @@
+"""What ``docs/verify.md`` says of the estimates: the page as committed, and (slow) all of its cases again."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks.verify import LEAST, MOST, PRICE, measure, page, share
+from benchmarks.verify_cases import BY_NAME, CASES, Case
+
+DOCS = Path(__file__).parents[2] / "docs"
+ENTRIES: dict[str, list[dict[str, Any]]] = json.loads((DOCS / "verify.json").read_text())
+
+
+def test_the_page_is_that_of_its_numbers() -> None:
+    text = (DOCS / "verify.md").read_text()
+    where = text.strip().rpartition("Measured on: ")[2]
+    assert page(ENTRIES, where) == text
+    assert set(ENTRIES) <= set(BY_NAME)
+
+
+@pytest.mark.parametrize("name", list(ENTRIES))
+def test_estimates_of_the_page(name: str) -> None:
+    """Every estimate within the bars, nothing regular refused, and at the price promised (timings of a busy machine: their median)."""
+    check(ENTRIES[name])
+    assert np.median([row["price"] for row in ENTRIES[name]]) <= PRICE
+
+
+def check(rows: list[dict[str, Any]]) -> None:
+    for row in rows:
+        assert row["verdict"] == "ok", row
+        value = share(row)
+        assert value is None or LEAST <= value <= MOST, row
+        assert value is None or row["anywhere"] <= MOST, row
+    assert any(share(row) is not None for row in rows)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+@pytest.mark.filterwarnings("ignore::mbd.SceneWarning")
+def test_estimates(case: Case) -> None:
+    check(measure(case, priced=False))
+
+
+def test_shares_that_are_not_known() -> None:
+    row = {"true": 1e-12, "estimate": 1e-12, "known": 1e-12}
+    assert share(row) is None
+    assert share(row | {"true": 1e-6, "estimate": 1e-7}) == pytest.approx(10.0)
+    assert share(row | {"estimate": np.inf, "true": 1e-6}) == 0.0
