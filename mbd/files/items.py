@@ -8,7 +8,7 @@ from typing import Any
 from ..errors import SceneError
 from ..functions import Expression
 from ..functions.expression import TIME
-from ..scene import Misfit, Scene
+from ..scene import Scene
 from .kinds import ITEMS, Field
 from .markers import Finder
 from .text import Key
@@ -34,8 +34,7 @@ class Builder:
             return
         item = self.scene.add(description)
         self._homes[f"{description.kind} {item.name!r}: "] = k
-        if not isinstance(item, Misfit) or item.name == description.name:
-            self.finder.known[item.name] = item
+        self.finder.known[item.name] = item
 
     def _taken(self, k: int, name: Any) -> bool:
         if name in self.finder.known:
