@@ -1,7 +1,7 @@
 """Thin planar or spatial beam in the absolute nodal coordinate formulation: nodal positions and slopes, cubic in between.
 
 Escalona, Hussien and Shabana (1998), J. Sound Vib. 214. The mass matrix (eq. 8) is constant and gravity too; the elastic forces come
-from one of two strain kernels: ``continuum.py`` or, for the element of the paper, ``local_frame.py``.
+from a strain kernel: ``planar_continuum.py``, ``spatial_continuum.py`` or, for the element of the paper, ``local_frame.py``.
 """
 
 from __future__ import annotations
@@ -19,10 +19,11 @@ from mbd.errors import SceneError
 from mbd.fields import Count, Matrix, Number, Vector
 from mbd.marker import Marker
 
-from .continuum import Continuum
 from .local_frame import LocalFrame
+from .planar_continuum import PlanarContinuum
 from .rest_shape import arc_parameter, backward, element_lengths, spline_tangents, straight
 from .shapes import MASS, WEIGHT, WEIGHT_LUMPED, hermite, hermite_slope
+from .spatial_continuum import SpatialContinuum
 
 if TYPE_CHECKING:
     from mbd.model import Model
@@ -196,4 +197,5 @@ class Cable:
             model.strain(LocalFrame, (), labels, **common)
         else:
             rest = np.concatenate((self.rest[:-1], self.rest[1:]), axis=1)
-            model.strain(Continuum, (c.gauss_points,), labels, rest=np.swapaxes(rest, 1, 2), **common)
+            continuum = PlanarContinuum if d == 2 else SpatialContinuum
+            model.strain(continuum, (c.gauss_points,), labels, rest=np.swapaxes(rest, 1, 2), **common)

@@ -23,7 +23,7 @@ END = np.array([-1.0, 0.0, 1.0, 0.0])
 
 
 class LocalFrame:
-    """The kernel of all chord-frame cables. Arguments as of ``Continuum``, without rest shape."""
+    """The kernel of all chord-frame cables. Arguments as of ``PlanarContinuum``, without rest shape."""
 
     def __init__(self, *, nodes: np.ndarray, length: Array, EA: Array, EI: Array, damping: Array):
         (xi_a, weight_a), (xi_b, weight_b) = gauss(3), gauss(2)

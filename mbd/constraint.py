@@ -125,20 +125,20 @@ class Quadratic:
         """z [..., 1 + forms], which the other methods take."""
         z = np.empty((*q.shape[:-1], 1 + self.offsets.size))
         z[..., 0] = 1.0
-        np.add(self.by_form.sum(self.coefficients * q[..., self.columns]), self.offsets, out=z[..., 1:])
+        np.add(self.by_form.sum(self.coefficients * q.take(self.columns, axis=-1)), self.offsets, out=z[..., 1:])
         return z
 
     def _rates(self, v: Array) -> Array:
         """dz/dt [..., 1 + forms]."""
         z = np.zeros((*v.shape[:-1], 1 + self.offsets.size))
-        z[..., 1:] = self.by_form.sum(self.coefficients * v[..., self.columns])
+        z[..., 1:] = self.by_form.sum(self.coefficients * v.take(self.columns, axis=-1))
         return z
 
     def value(self, z: Array) -> Array:
         """g [..., m]."""
         g = np.empty((*z.shape[:-1], self.m))
         g[...] = self.constant
-        g[..., self.by_row.keys] += self.by_row.sum(z[..., self.left] * z[..., self.right])
+        g[..., self.by_row.keys] += self.by_row.sum(z.take(self.left, axis=-1) * z.take(self.right, axis=-1))
         return g
 
     def gradient(self, z: Array) -> Array:
@@ -151,7 +151,7 @@ class Quadratic:
         return values
 
     def _varying(self, z: Array) -> Array:
-        return self.by_slot.sum(self.gradient_coefficient * z[..., self.gradient_factor])
+        return self.by_slot.sum(self.gradient_coefficient * z.take(self.gradient_factor, axis=-1))
 
     def swirl(self, z: Array, v: Array) -> Array:
         """Values of d(G v)/dq [..., nnz] on the pattern of G."""
@@ -170,4 +170,4 @@ class Quadratic:
 
     def curvature(self, z: Array, multipliers: Array) -> Array:
         """Values of d(G' lambda)/dq on the pattern (curvature_rows, curvature_cols)."""
-        return self.curvature_coefficient * multipliers[..., self.curvature_owner]
+        return self.curvature_coefficient * multipliers.take(self.curvature_owner, axis=-1)

@@ -97,11 +97,11 @@ class JointsAt:
 
     def pull(self, multipliers: Array) -> Array:
         """G' lambda [..., n]."""
-        return self.joints.to_cols(self.gradient * multipliers[..., self.joints.rows])
+        return self.joints.to_cols(self.gradient * multipliers.take(self.joints.rows, axis=-1))
 
     def push(self, v: Array) -> Array:
         """G v [..., m]."""
-        return self.joints.to_rows(self.gradient * v[..., self.joints.cols])
+        return self.joints.to_rows(self.gradient * v.take(self.joints.cols, axis=-1))
 
     def swirl(self, v: Array) -> Array:
         """Values of d(G v)/dq on the pattern of G."""

@@ -66,6 +66,15 @@ class Layout:
         """[n]: which scalar coordinates are lengths."""
         return np.concatenate((np.zeros(self.dimension * self.n_rows, dtype=bool), np.array(self._lengths[::-1], dtype=bool)))
 
+    def positions(self) -> NDArray[np.bool_]:
+        """[n_rows]: the rows that are positions; the others are slopes and axes."""
+        return np.array([label.endswith(("position", "mass centre")) for _, label in self._labels], dtype=bool)
+
+    def smallest_arm(self) -> float:
+        """The smallest lever of a slope or axis [m]; infinite where nothing has one."""
+        levers = np.concatenate([*self._levers, np.zeros(0)])[~self.positions()]
+        return float(levers.min(initial=np.inf, where=levers > 0.0))
+
     def row_labels(self) -> list[str]:
         """What each row of the table is: "mass centre", "node 3 slope"."""
         return [label for _, label in self._labels]

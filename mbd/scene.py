@@ -253,9 +253,9 @@ def _extent(layout: Layout, items: list[Any]) -> float:
     q, _ = layout.start()
     table = q[: layout.dimension * layout.n_rows].reshape(-1, layout.dimension)
     levers = layout.levers()[: table.size].reshape(-1, layout.dimension)[:, 0]
-    positions = [table[row] for row, label in enumerate(layout.row_labels()) if label.endswith(("position", "mass centre"))]
+    placed = layout.positions()
+    positions = list(table[placed])
     for item in items:
         positions.extend(marker.point.value(q) for marker in getattr(item.description, "markers", ()))
     box = np.ptp(np.array(positions), axis=0)
-    arms = [lever for lever, label in zip(levers, layout.row_labels()) if not label.endswith(("position", "mass centre"))]
-    return float(max(np.linalg.norm(box), max(arms, default=0.0))) or 1.0
+    return float(max(np.linalg.norm(box), levers[~placed].max(initial=0.0))) or 1.0

@@ -27,10 +27,8 @@ class Strains:
         return np.concatenate([part.reshape(*batch, -1) for part in parts], axis=-1)
 
     def _split(self, stress: Array) -> list[Array]:
-        ends = self.system.ends
-        return [
-            stress[..., ends[i] : ends[i + 1]].reshape(*stress.shape[:-1], *kernel.modulus.shape) for i, kernel in enumerate(self.system.measures)
-        ]
+        batch = stress.shape[:-1]
+        return [stress[..., span].reshape(*batch, *shape) for span, shape in self.system.stress_places]
 
     @property
     def value(self) -> Array:
@@ -61,8 +59,8 @@ class Strains:
                 assert v is not None
                 columns = np.moveaxis(viscosity[..., None] * part.swirl(v), -1, 0)
                 matrix = matrix + np.moveaxis(part.pull(columns), 0, -1)
-            out.append(matrix.ravel())
-        return np.concatenate(out)
+            out.append(matrix.reshape(*matrix.shape[:-3], -1))
+        return np.concatenate(out, axis=-1)
 
     def swirl_times(self, v: Array, change: Array) -> Array:
         """d(B v)/dq dq [..., n_stresses]."""

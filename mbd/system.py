@@ -54,8 +54,16 @@ class Inputs:
         return self._system.joints.targets(self._times)
 
 
+def _side_by_side(parts: list[Array], batch: tuple[int, ...]) -> Array:
+    """Values [*batch, ...] of several patterns in one array; parts that do not depend on the configuration are [...]."""
+    if batch:
+        parts = [np.broadcast_to(part, (*batch, part.shape[-1])) for part in parts]
+    return np.concatenate(parts, axis=-1)
+
+
 class System:
-    """The numeric system of a scene; ``n`` coordinates, ``m`` equations, ``n_stresses`` independent stresses.
+    """The numeric system of a scene; ``n`` coordinates, ``m`` equations, ``n_stresses`` independent stresses. ``arm`` is the smallest lever [m] of
+    a slope or axis, a radius of gyration of rigid bodies.
 
     ``affine``: loads are constant in time and linear in q alone. ``driven``: some equations follow functions of time. ``damped``: D is not 0:
     something is viscous, or loads depend on velocities. ``onsets``: some strains set in, with slopes that are zero before (their kernels
@@ -64,7 +72,8 @@ class System:
 
     def __init__(self, model: Model):
         self.dimension, self.n, self.length = model.dimension, model.n, model.length
-        self.q0, self.v0, self.levers, self.lengths, self.owners = model.q0, model.v0, model.levers, model.lengths, model.owners
+        self.q0, self.v0, self.owners = model.q0, model.v0, model.owners
+        self.levers, self.lengths, self.arm = model.levers, model.lengths, model.arm
         self.weight = np.zeros(self.n)
         self.weight[: model.weights.size] = model.weights.ravel()
         self.dead = model.dead_forces
@@ -77,6 +86,7 @@ class System:
         sizes = [kernel.modulus.size for kernel in self.measures]
         self.ends = np.concatenate(([0], np.cumsum(sizes, dtype=int)))
         self.n_stresses = int(self.ends[-1])
+        self.stress_places = [(slice(a, b), kernel.modulus.shape) for a, b, kernel in zip(self.ends, self.ends[1:], self.measures)]
         self.modulus = np.concatenate([kernel.modulus.ravel() for kernel in self.measures] or [np.zeros(0)])
         viscosity = np.concatenate([kernel.viscosity.ravel() for kernel in self.measures] or [np.zeros(0)])
         self.viscosity: Array | None = viscosity if viscosity.any() else None
@@ -127,7 +137,7 @@ class System:
     def mass(self, x: Array) -> Array:
         """M x [..., n]."""
         if self._dense_mass is None:
-            return self._mass_scatter(self.mass_values * x[..., self.mass_cols])
+            return self._mass_scatter(self.mass_values * x.take(self.mass_cols, axis=-1))
         table = x[..., : self.n_table].reshape(*x.shape[:-1], -1, self.dimension)
         out = (self._dense_mass @ table).reshape(*x.shape[:-1], -1)
         if self.n > self.n_table:
@@ -160,8 +170,7 @@ class System:
         total = self.constant_force
         for kernel, rated, scatter, values in zip(self.loads, self._rated, self.load_scatters, inputs.loads):
             local = kernel.force(q, v, values) if rated else kernel.force(q, values)
-            local = np.broadcast_to(local, (*q.shape[:-1], *local.shape[-2:]))
-            total = total + scatter(local.reshape(*q.shape[:-1], -1))
+            total = total + scatter(local.reshape(*local.shape[:-2], -1))
         return total
 
     def stress(self, strains: Strains, v: Array) -> Array:
@@ -185,8 +194,9 @@ class System:
         parts.append(self.joints.at(q).curvature(multipliers))
         for i in self._moving_loads:
             kernel, values = self.loads[i], inputs.loads[i]
-            parts.append(-(kernel.gradient(q, v, values) if self._rated[i] else kernel.gradient(q, values)).ravel())
-        return np.concatenate(parts)
+            local = kernel.gradient(q, v, values) if self._rated[i] else kernel.gradient(q, values)
+            parts.append(-local.reshape(*local.shape[:-3], -1))
+        return _side_by_side(parts, q.shape[:-1])
 
     def damping(self, q: Array, v: Array, inputs: Inputs) -> Array:
         """Values of D on (damping_rows, damping_cols) at one state; only asked of scenes that are ``damped``."""

@@ -34,7 +34,7 @@ class Format(Protocol):
         """Where entries go in the buffer [slots]."""
 
     def factor(self, buffer: NDArray) -> Solve:
-        """The solver for right sides [size] or [size, k]; raises Singular on a zero pivot."""
+        """The solver for right sides [size] or [size, k], which it may overwrite; raises Singular on a zero pivot."""
 
     def norm(self, buffer: NDArray) -> float:
         """The largest column sum of magnitudes (of a complex entry: of its parts)."""
@@ -61,7 +61,7 @@ class Dense:
         lu, pivots, info = getrf(buffer.reshape(self.size, self.size).T, overwrite_a=1)
         _check(info)
         # Column by column: OpenBLAS starts threads for several right sides of any size, which costs milliseconds on a busy machine.
-        return lambda b: getrs(lu, pivots, b)[0] if b.ndim == 1 else np.stack([getrs(lu, pivots, column)[0] for column in b.T], axis=1)
+        return lambda b: getrs(lu, pivots, b, overwrite_b=1)[0] if b.ndim == 1 else np.stack([getrs(lu, pivots, column)[0] for column in b.T], axis=1)
 
     def norm(self, buffer: NDArray) -> float:
         return float(np.abs(buffer.view(float).reshape(self.size, -1)).sum(axis=1).max())
@@ -84,7 +84,7 @@ class Band:
         k = self.half
         lu, pivots, info = gbtrf(buffer.reshape(self.size, self.height).T, k, k, overwrite_ab=1)
         _check(info)
-        return lambda b: gbtrs(lu, k, k, b, pivots)[0]
+        return lambda b: gbtrs(lu, k, k, b, pivots, overwrite_b=1)[0]
 
     def norm(self, buffer: NDArray) -> float:
         return float(np.abs(buffer.view(float).reshape(self.size, -1)).sum(axis=1).max())

@@ -227,7 +227,8 @@ class Equations:
         if system.n_stresses:
             stress = stress + r5 + at.stress_change(table.spread @ dq, table.slope @ self.velocity(dq))
         size = float(np.max(np.abs(dq) * system.levers))
-        return Correction(Unknowns(x.dq + dq, multipliers, stress), size, g, strains, stress - x.stress)
+        seen = (strains, stress - x.stress) if system.onsets else (None, None)
+        return Correction(Unknowns(x.dq + dq, multipliers, stress), size, g, *seen)
 
     def end(self, x: Unknowns) -> tuple[Array, Array, Array]:
         """q1, v1 [n] and the last multipliers [m]."""

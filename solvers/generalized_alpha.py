@@ -106,7 +106,8 @@ class ChungHulbert:
         assert first.nodes and second.nodes and first.multipliers is not None and second.multipliers is not None
         t, q, v, weights = (np.concatenate(pair) for pair in zip(first.nodes, second.nodes))
         multipliers = np.concatenate((first.multipliers, second.multipliers))
-        return Attempt(after, first.error + second.error, 2.0, max(first.rate, second.rate), solves, nodes=(t, q, v, weights), multipliers=multipliers)
+        error, rate = first.error + second.error, max(first.rate, second.rate)
+        return Attempt(after, error, 2.0, rate, solves, nodes=(t, q, v, weights), multipliers=multipliers)
 
     def _whole(self, system: System, linear: Linear, state: State, h: float) -> Attempt:
         try:
@@ -181,10 +182,10 @@ class Tangents:
         self.mass_factor = linear.factor(tangent) if equations.stabilised else None
         self._system = system
 
-    def unseen(self, strains: Any, change: Array) -> float:
+    def unseen(self, strains: Any, change: Array | None) -> float:
         """As of ``stages.Derivatives``, for one state: what a change of stresses will move by slopes that this correction did not have."""
         system = self._system
-        if not system.onsets:
+        if change is None:
             return 0.0
         assert self.strains is not None
         dq, _ = self.factor.solve(self.strains.pull(change) - strains.pull(change), np.zeros(system.m))
@@ -239,4 +240,5 @@ class Equations:
                 stress = stress + system.viscosity * (self.z * at.strains.push(dq) + at.strains.swirl_times(at.v, dq))
         size = float(np.max(np.maximum(np.abs(dq), self.h * np.abs(dv)) * system.levers))
         after = Stages(x.dq + dq, v + dv, x.multipliers + d_multipliers, drift, stress)
-        return Correction(after, size, g, strains, stress - x.stress)
+        seen = (strains, stress - x.stress) if system.onsets else (None, None)
+        return Correction(after, size, g, *seen)

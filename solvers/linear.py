@@ -23,6 +23,9 @@ from .system import Array, Index, System
 SINGULAR = 1e-15
 SOFTENING = 1e-7
 
+TURN = 0.01
+"""The largest angle [rad] that a tolerance may mean for a rigid body."""
+
 
 class Tangent(NamedTuple):
     """Assembled buffers at one configuration: K, D (None: no damping), G with G'."""
@@ -36,7 +39,9 @@ class Linear:
     """Patterns, scales and the format of a system's KKT matrices, prepared once.
 
     ``reach`` [m] turns a residual of an equation into a length: how far its most effective coordinate would have to move. ``origin`` [n] is
-    a configuration on the joints; who corrects the one given here says so. ``constant_factor`` is kept where G never changes.
+    a configuration on the joints; who corrects the one given here says so. ``constant_factor`` is kept where G never changes. ``coarsest`` is the
+    largest tolerance [m] that means something: one that turns the smallest rigid body by TURN. In a long chain a share of the whole is more than
+    a link, and steps that leave links anywhere fail. Where a continuum couples coordinates by its mass there is no such limit.
     """
 
     def __init__(self, system: System, q: Array):
@@ -52,11 +57,13 @@ class Linear:
         self.format: Format = cheapest(self.size, half_bandwidth(rows, cols, order), rows, cols)
         self.order = order if self.format.name == "band" else np.arange(self.size)
         self.place = np.argsort(self.order)
+        self._below = self.order >= n
         self.scale = self._scales(system, q)
-        self._into = self.scale[self.order]
+        self.into = self.scale[self.order]
         self.softened = False
         self.factorizations = 0
         self.constant_factor: Factor | None = None
+        self.coarsest = TURN * system.arm if np.array_equal(system.mass_rows, system.mass_cols) else np.inf
         self._mass_slots, self._mass_scale = self._slots(system.mass_rows, system.mass_cols)
         self._stiffness_slots, self._stiffness_scale = self._slots(system.stiffness_rows, system.stiffness_cols)
         self._gradient_slots, self._gradient_scale = self._slots(top, left)
@@ -110,23 +117,28 @@ class Linear:
         scaled = self._gradient_scale * values
         return self._fill(self._both_slots, np.concatenate((scaled, scaled)))
 
-    def factor(self, tangent: Tangent, c_mass: complex = 1.0, c_damping: complex = 0.0, c_stiffness: float = 0.0) -> Factor:
-        """The factorised KKT matrix; raises Singular."""
+    def factor(
+        self, tangent: Tangent, c_mass: complex = 1.0, c_damping: complex = 0.0, c_stiffness: float = 0.0, *, least: float = SINGULAR
+    ) -> Factor:
+        """The factorised KKT matrix; raises Singular unless its reciprocal condition is above ``least``; 0: it is not estimated."""
         size = abs(c_mass)
-        buffer = c_mass * self.mass + size * tangent.gradient
+        buffer = c_mass * self.mass
+        buffer += size * tangent.gradient
         if c_stiffness and tangent.stiffness is not None:
             buffer += c_stiffness * tangent.stiffness
         if c_damping and tangent.damping is not None:
             buffer += c_damping * tangent.damping
         if self.softened:
             buffer[self._corner] -= SOFTENING * size
-        return self.factorised(buffer, size, SINGULAR)
+        return self.factorised(buffer, size, least)
 
     def factorised(self, buffer: NDArray, size: float, least: float) -> Factor:
-        """A filled buffer, factorised; raises Singular unless its reciprocal condition is above ``least``."""
-        norm = self.format.norm(buffer)
+        """A filled buffer, factorised; raises Singular unless its reciprocal condition is above ``least``; 0: it is not estimated."""
+        norm = self.format.norm(buffer) if least else 0.0
         self.factorizations += 1
         solve = self.format.factor(buffer)
+        if not least:
+            return Factor(self, solve, size, np.nan)
         rcond = _reciprocal_condition(self.size, norm, solve)
         if not rcond > least:
             raise Singular(f"reciprocal condition {rcond:.1e}")
@@ -134,16 +146,20 @@ class Linear:
 
     def enter(self, top: Array, bottom: Array) -> Array:
         """Right sides [..., n] and [..., m] in scaled, ordered unknowns [..., size]."""
-        return np.concatenate((top, bottom), axis=-1)[..., self.order] * self._into
+        return np.concatenate((top, bottom), axis=-1).take(self.order, axis=-1) * self.into
 
     def leave(self, x: Array) -> tuple[Array, Array]:
         """Solutions [..., n] and [..., m] from scaled, ordered unknowns [..., size]."""
-        natural = x[..., self.place] * self.scale
+        natural = x.take(self.place, axis=-1) * self.scale
         return natural[..., : self.n], natural[..., self.n :]
 
     def __getstate__(self) -> dict[str, Any]:
         """Without the factor that is kept: it is found again where it is asked for."""
         return vars(self) | {"constant_factor": None}
+
+    def weight(self, size: float) -> Array:
+        """[size]: what scaled, ordered unknowns are multiplied by before and after a factor with |c_mass| = size."""
+        return np.where(self._below, size, 1.0)
 
     def soften(self) -> None:
         """From now on, redundant equations are allowed."""
@@ -154,8 +170,8 @@ class Factor:
     """A factorised KKT matrix."""
 
     def __init__(self, linear: Linear, solve: Solve, size: float, rcond: float):
-        self.linear, self._solve, self.rcond = linear, solve, rcond
-        self._weight = np.where(linear.order < linear.n, 1.0, size)
+        self.linear, self.raw, self.rcond = linear, solve, rcond
+        self.weight = linear.weight(size)
 
     def solve(self, top: Array, bottom: Array) -> tuple[Array, Array]:
         """x [..., n], y [..., m] from right sides top [..., n], bottom [..., m]."""
@@ -166,7 +182,7 @@ class Factor:
 
     def solve_scaled(self, right: NDArray) -> NDArray:
         """The solution in scaled unknowns [size] or [k, size], from ``linear.enter`` and for ``linear.leave``."""
-        return self._solve((right * self._weight).T).T * self._weight
+        return self.raw((right * self.weight).T).T * self.weight
 
 
 def _reciprocal_condition(size: int, norm: float, solve: Solve) -> float:

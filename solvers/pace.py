@@ -13,6 +13,9 @@ SAFETY, SHRINK, GROW = 0.85, 0.2, 5.0
 CONTRACTION = 0.25
 """Newton's rate that steps aim at. Where tolerances are loose it is what limits them, and it grows with about their fourth power."""
 
+CORRECTIONS = 4
+"""Steps grow while Newton's iteration takes fewer, whatever the rate: that of two or three corrections tells more of rounding than of the step."""
+
 BELOW_FAILURE, RELAX = 0.7, 1.1
 """After a failed iteration steps stay below this share of the failed one; the limit relaxes by this factor with each easy step."""
 
@@ -93,4 +96,5 @@ class Pace:
             factor = min(factor, SAFETY * (h / last_h) * (last_error / error**2) ** (1.0 / attempt.order))
         self._last = (h, error)
         by_contraction = (CONTRACTION / max(attempt.rate, 1e-4)) ** 0.25
+        by_contraction = max(by_contraction, CORRECTIONS / max(attempt.solves, 1))
         return min(max(factor, SHRINK), max(by_contraction, 0.5), GROW)

@@ -20,9 +20,6 @@ from .protocol import Attempt, State
 from .start import Inconsistent
 from .system import Array, System
 
-FAITHFUL = 0.03
-"""No step is tried for a larger error than this share of the smallest lever: the smallest bodies must still be recognised as such."""
-
 ERRORS = np.array([ERROR_5, ERROR_3])
 
 STRICT = 0.1
@@ -41,15 +38,13 @@ class DormandPrince:
 class Memory(NamedTuple):
     """The system in the form prepared for it, with the state, its derivative and its multipliers there.
 
-    ``coarsest`` is the largest tolerance [m] that means something; ``stiffness`` the last step times the fastest rate seen in it, of elastic
-    systems: near 6 stability limits steps, not accuracy.
+    ``stiffness`` is the last step times the fastest rate seen in it, of elastic systems: near 6 stability limits steps, not accuracy.
     """
 
     form: Form
     w: Array
     rate: Array
     multipliers: Array
-    coarsest: float
     stiffness: float = 0.0
 
 
@@ -78,7 +73,7 @@ class ProjectedExplicit:
         try:
             memory = self._remembered(system, linear, state)
             states, rates, multipliers = self._stages(system, memory, state.t, h)
-            error = self._error(memory.form, rates, h) / (STRICT * min(tolerance, memory.coarsest))
+            error = self._error(memory.form, rates, h) / (STRICT * min(tolerance, linear.coarsest))
             if not error <= 1.0:
                 return Attempt(state, error if np.isfinite(error) else 1e8, 8.0, 0.0, 0)
             after = self._landed(system, memory, state.t + h, _end(memory, rates, h))
@@ -97,8 +92,7 @@ class ProjectedExplicit:
             self._prepared = (linear, index_one(system, linear))
         form = self._prepared[1]
         w, rate = form.enter(state.q, state.v), np.zeros(form.shape)
-        coarsest = FAITHFUL * float(np.min(system.levers, where=system.levers > 0.0, initial=np.inf))
-        return Memory(form, w, rate, form.rates(system, w, state.t, rate), coarsest)
+        return Memory(form, w, rate, form.rates(system, w, state.t, rate))
 
     def _stages(self, system: System, memory: Memory, t: float, h: float) -> tuple[Array, Array, Array]:
         """States and their derivatives [12, 2, ...], and multipliers [12, ...], at the stages."""

@@ -23,9 +23,6 @@ from .system import Array, System, Targets, targets
 SHORTEST = 1e-10
 """The first step is not below this share of the run."""
 
-TURN = 0.03
-"""The largest angle [rad] that a tolerance may mean for a rigid body."""
-
 AT_SINGULAR = 1e-9
 """Below this reciprocal condition of the mass KKT matrix, which is about the square of that of G, the end of a step is not projected."""
 
@@ -64,13 +61,6 @@ class Memory(NamedTuple):
     n_stages: int
 
 
-def _coarsest(system: System) -> float:
-    """The largest tolerance [m] that means something for rigid bodies: it turns the smallest of them by TURN. In a long chain a share of the
-    whole is more than a link, and steps that leave links anywhere fail. Positions have a lever of 1, axes their radius of gyration."""
-    arms = system.levers[(system.levers > 0.0) & (system.levers != 1.0)]
-    return np.inf if system.n_stresses else TURN * float(arms.min(initial=np.inf))
-
-
 class RadauIIA:
     """The s-stage method. ``fixed`` is its step, or None; ``rtol`` serves values inside of steps."""
 
@@ -82,7 +72,7 @@ class RadauIIA:
 
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:
         """One step of length h; ``tolerance`` is a length: the local error allowed in positions."""
-        table, tolerance = self.table, min(tolerance, _coarsest(system))
+        table, tolerance = self.table, min(tolerance, linear.coarsest)
         guess, middle = self._predict(system, state, h)
         inputs = system.inputs(state.t + table.c * h)
         equations = StageEquations(system, table, h, state.q, state.v, inputs)

@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .coefficients import GaussLobatto, Tableau
-from .linear import Factor, Linear, Tangent
+from .linear import SINGULAR, Factor, Linear, Tangent
 from .system import Array, System, targets
 
 
@@ -40,14 +40,14 @@ class Stages(NamedTuple):
 
 
 class Correction(NamedTuple):
-    """What one correction leads to: the next iterate, the size of its change as a length, the residual of g [s, m] before it, and what
-    stresses were computed with: strains before it (None where nothing is elastic), change of the stresses."""
+    """What one correction leads to: the next iterate, the size of its change as a length, the residual of g [s, m] before it; and what
+    stresses were computed with, which is kept only where strains set in: strains before it, change of the stresses."""
 
     x: Any
     size: float
     residual: Array
     strains: Any
-    stress_change: Array
+    stress_change: Array | None
 
 
 class Middle(NamedTuple):
@@ -91,10 +91,10 @@ class Derivatives:
             change = change + system.viscosity * (self.strains.push(rate) + self.strains.swirl_times(self.v, dq))
         return change
 
-    def unseen(self, strains: Any, change: Array) -> float:
+    def unseen(self, strains: Any, change: Array | None) -> float:
         """What a change of stresses [s, n_stresses] will move by the slopes of each stage, and has not by those of the middle, as a length:
         where a strain sets in within the step, the middle has no slope, and the first correction of positions is zero whatever the stress."""
-        if not self.system.onsets:
+        if change is None:
             return 0.0
         gap = self.gathered(self.pull(change) - strains.pull(change))
         dq, _ = self.solve(gap, np.zeros((len(gap), self.system.m)))
@@ -104,10 +104,15 @@ class Derivatives:
         """Forces [s, n] at the stages from those where stresses are taken: the same points, unless a method says otherwise."""
         return force
 
+    @cached_property
+    def _swirl(self) -> Array:
+        """Values of d(G v)/dq."""
+        return self.joints.swirl(self.v)
+
     def velocity_swirl(self, dq: Array) -> Array:
         """d(G v)/dq dq [s, m]."""
         joints = self.system.joints
-        return joints.to_rows(self.joints.swirl(self.v) * dq[..., joints.cols])
+        return joints.to_rows(self._swirl * dq.take(joints.cols, axis=-1))
 
 
 class Linearised(Derivatives):
@@ -119,8 +124,13 @@ class Linearised(Derivatives):
         self.joints = system.joints.at(middle.q)
         self.tangent: Tangent = linear.tangent(self.joints.gradient, self.stiffness, self.damping)
         z = table.eigenvalues / h
-        self.factors = [linear.factor(self.tangent, x * x, x, 1.0) for x in (*z[: table.real].real, *z[table.real :])]
-        self.real_factor = self.factors[0]
+        # Where the first is regular so are the others: of a symmetric K none of its vibrations or instabilities has a rate z off both axes.
+        rates = (*z[: table.real].real, *z[table.real :])
+        factors = [linear.factor(self.tangent, x * x, x, 1.0, least=0.0 if k else SINGULAR) for k, x in enumerate(rates)]
+        self.real_factor = factors[0]
+        self._solves = [factor.raw for factor in factors]
+        parts = [factor.weight for k, factor in enumerate(factors) for _ in range(1 if k < table.real else 2)]
+        self._weight = np.array(parts) * linear.into
 
     def gathered(self, force: Array) -> Array:
         return self.table.gather @ force if isinstance(self.table, GaussLobatto) else force
@@ -138,15 +148,17 @@ class Linearised(Derivatives):
     def solve(self, top: Array, bottom: Array) -> tuple[Array, Array]:
         """The stage system: right sides [s, n] and [s, m], all eigenvalues."""
         t, linear = self.table, self.linear
-        hat = t.into_parts @ linear.enter(top, bottom)
-        x = np.empty_like(hat)
+        x = t.into_parts.dot(np.concatenate((top, bottom), axis=1)).take(linear.order, axis=1)
+        x *= self._weight
         if t.real:
-            x[0] = self.factors[0].solve_scaled(hat[0])
-        for k, factor in enumerate(self.factors[t.real :]):
+            x[0] = self._solves[0](x[0])
+        for k, solve in enumerate(self._solves[t.real :]):
             re = t.real + 2 * k
-            pair = factor.solve_scaled(hat[re] + 1j * hat[re + 1])
+            pair = solve(x[re] + 1j * x[re + 1])
             x[re], x[re + 1] = pair.real, pair.imag
-        return linear.leave(t.back_parts @ x)
+        x *= self._weight
+        x = t.back_parts.dot(x).take(linear.place, axis=1)
+        return x[:, : linear.n], x[:, linear.n :]
 
 
 class StageEquations:
@@ -160,39 +172,42 @@ class StageEquations:
     def correct(self, x: Stages, at: Derivatives) -> Correction:
         """One step of Newton's iteration."""
         system, strains = self.system, None
-        q, q_rate = self.q0 + x.dq, self.rate @ x.dq
+        q, q_rate = self.q0 + x.dq, self.rate.dot(x.dq)
         joints = system.joints.at(q)
         v = x.v if at.mass_factor else q_rate
-        r2 = system.mass(self.rate @ (v - self.v0)) - system.load(q, q_rate, self.inputs)
+        r2 = system.mass(self.rate.dot(v - self.v0)) - system.load(q, q_rate, self.inputs)
         if system.n_stresses:
             strains = system.strains(q)
             r5 = system.stress(strains, q_rate) - x.stress
-            r2 = r2 + strains.pull(x.stress) + at.pull(r5)
+            r2 += strains.pull(x.stress)
+            r2 += at.pull(r5)
         if system.m:
-            r2 = r2 + joints.pull(x.multipliers)
+            r2 += joints.pull(x.multipliers)
         g = joints.value - self.goal.value
         if (slips := system.joints.slips).size:
             g[:, slips] = np.linalg.solve(self.rate, (joints.push(q_rate) - self.goal.rate)[:, slips])
         if at.mass_factor is None:
             dq, d_multipliers = at.solve(-r2, -g)
-            dv, drift = self.rate @ dq, x.drift
+            dq_rate = dv = self.rate.dot(dq)
+            drift = x.drift
         else:
             r1 = system.mass(q_rate - v) - joints.pull(x.drift)
-            dq, y = at.solve(-r2 - self.rate @ r1, -g)
-            dq_rate = self.rate @ dq
+            dq, y = at.solve(-r2 - self.rate.dot(r1), -g)
+            dq_rate = self.rate.dot(dq)
             dv, d_drift = at.mass_factor.solve(system.mass(dq_rate) + r1, self.goal.rate - joints.push(v) - at.velocity_swirl(dq))
-            d_multipliers = y + self.rate @ d_drift
+            d_multipliers = y + self.rate.dot(d_drift)
             drift = x.drift + d_drift
         stress = x.stress
         if system.n_stresses:
-            stress = stress + r5 + at.stress_change(dq, self.rate @ dq)
+            stress = stress + r5 + at.stress_change(dq, dq_rate)
         after = Stages(x.dq + dq, v + dv, x.multipliers + d_multipliers, drift, stress)
-        return Correction(after, self._size(dq, dv), g, strains, stress - x.stress)
+        seen = (strains, stress - x.stress) if system.onsets else (None, None)
+        return Correction(after, self._size(dq, dv), g, *seen)
 
     def _size(self, dq: Array, dv: Array) -> float:
         """The largest change of a stage's position, or of the final velocity times the step: both are lengths."""
         levers = self.system.levers
-        return max(float(np.max(np.abs(dq) * levers)), self.h * float(np.max(np.abs(dv[-1]) * levers)))
+        return max(float(np.abs(dq * levers).max()), self.h * float(np.abs(dv[-1] * levers).max()))
 
     def start_defect(self, x: Stages, force: Array, at: Derivatives) -> tuple[Array, Array]:
         """The embedded estimate of the local error in q and v [n]: the defect of the collocation polynomial at the start of the step,

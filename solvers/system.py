@@ -92,7 +92,7 @@ class System(Protocol):
     """A mechanical system; see the module's equations.
 
     ``affine``: loads are constant in time and linear in q alone. ``driven``: c depends on time. ``damped``: something is viscous, or loads
-    depend on velocities. ``onsets``: some strains set in, with slopes that are zero before.
+    depend on velocities. ``onsets``: some strains set in, with slopes that are zero before. ``arm``: the smallest lever [m] of a slope or axis.
     """
 
     n: int
@@ -101,6 +101,7 @@ class System(Protocol):
     length: float
     levers: Array
     lengths: NDArray[np.bool_]
+    arm: float
     modulus: Array
     viscosity: Array | None
     affine: bool

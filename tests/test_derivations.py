@@ -24,7 +24,6 @@ from mbd.derivations.record import Record, Underived
 from mbd.derivations.specimens import Specimen, kinds, specimens
 from mbd.derivations.step import EXACT
 from mbd.elements import floating_frame
-from mbd.elements.continuum import ContinuumAt
 from mbd.elements.corotational import CorotationalAt
 from mbd.elements.floating_frame import DeflectionAt
 from mbd.elements.force import FollowerForces
@@ -32,7 +31,9 @@ from mbd.elements.force_law import RateLaws
 from mbd.elements.friction import Frictions
 from mbd.elements.geometrically_exact import GeometricallyExactAt
 from mbd.elements.local_frame import LocalFrameAt
+from mbd.elements.planar_continuum import PlanarContinuumAt
 from mbd.elements.rigid import RigidBody
+from mbd.elements.spatial_continuum import SpatialContinuumAt
 from mbd.elements.spring_strains import StretchAt
 from mbd.elements.torque import DeadTorques, PlanarTorques
 from mbd.joints.drives import Couples
@@ -82,7 +83,7 @@ def is_kernel(kind: Any) -> bool:
 
 def test_every_kernel_has_a_derivation() -> None:
     found = set(kernel_classes())
-    assert {"Continuum", "LocalFrame", "Stretch", "DeadForces", "Couples"} <= {kind.__name__ for kind in found}
+    assert {"PlanarContinuum", "SpatialContinuum", "LocalFrame", "Stretch", "DeadForces", "Couples"} <= {kind.__name__ for kind in found}
     assert not found - {*TERMS, *LOADS}, "a kernel without a derivation: add one to mbd/derivations/laws.py or load_laws.py"
 
 
@@ -197,11 +198,23 @@ def without_frame(self: LocalFrameAt, stress: np.ndarray) -> np.ndarray:
     return self._along(on_u) + self._across(on_w)
 
 
+def mirrored(curve: Any) -> Any:
+    """Second derivatives as of the conjugate."""
+
+    def wrong(self: Any, stress: np.ndarray) -> Any:
+        even, c = curve(self, stress)
+        return even, c.conj()
+
+    return wrong
+
+
 WRONG: list[tuple[Any, str, Callable[[Any], Any], str, str, str]] = [
     (LocalFrameAt, "pull", lambda _: without_frame, "local_frame", "mbd.elements.local_frame.LocalFrameAt.pull", "eq. 25"),
     (LocalFrameAt, "_curve", negated, "local_frame", "mbd.elements.local_frame.LocalFrameAt.stiffness", "dQ/de"),
-    (ContinuumAt, "_curve", negated, "continuum", "mbd.elements.continuum.Continuum", "stiffness"),
-    (ContinuumAt, "swirl_times", negated, "continuum", "mbd.elements.continuum.Continuum", "swirl_times"),
+    (SpatialContinuumAt, "_curve", negated, "continuum", "mbd.elements.spatial_continuum.SpatialContinuum", "swirl"),
+    (SpatialContinuumAt, "swirl_times", negated, "continuum", "mbd.elements.spatial_continuum.SpatialContinuum", "swirl_times"),
+    (PlanarContinuumAt, "_curve", mirrored, "continuum", "mbd.elements.planar_continuum.PlanarContinuum", "stiffness"),
+    (PlanarContinuumAt, "swirl_times", negated, "continuum", "mbd.elements.planar_continuum.PlanarContinuum", "swirl_times"),
     (CorotationalAt, "curve", negated, "corotational_beam", "mbd.elements.corotational.Corotational", "swirl_times"),
     (GeometricallyExactAt, "curve", negated, "geometrically_exact_beam", "mbd.elements.geometrically_exact.GeometricallyExact", "swirl_times"),
     (DeflectionAt, "curve", negated, "floating_frame_beam", "mbd.elements.floating_frame.Deflection", "swirl_times"),

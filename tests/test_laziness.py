@@ -237,7 +237,7 @@ class Counter:
         monkeypatch.setattr(owner, name, counted)
 
 
-def of_masses(linear: Linear, tangent: Any, c_mass: complex = 1.0, c_damping: complex = 0.0, c_stiffness: float = 0.0) -> bool:
+def of_masses(linear: Linear, tangent: Any, c_mass: complex = 1.0, c_damping: complex = 0.0, c_stiffness: float = 0.0, **_: Any) -> bool:
     """Whether a factorisation is that of the mass KKT matrix, M with G."""
     return c_stiffness == 0.0 or tangent.stiffness is None
 

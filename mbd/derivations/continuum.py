@@ -15,7 +15,7 @@ from .numbers import evaluated, gauss
 from .step import PAPER, Pairs, Step
 
 SOURCE = "Gerstmayr and Irschik (2008)"
-KERNEL = "mbd.elements.continuum"
+PLANE, SPACE = "mbd.elements.planar_continuum.PlanarContinuumAt", "mbd.elements.spatial_continuum.SpatialContinuumAt"
 SHORT = 1e-16
 """Length of an element of which the limit is taken [m]: what is left of it is below rounding."""
 
@@ -50,7 +50,7 @@ def _strains(d: int) -> Any:
     def compare(rng: np.random.Generator) -> Pairs:
         element = Element(rng, d)
         exact = np.array([evaluated(strains(d), values)[:, 0] for values in element.points])
-        yield "strains", exact[np.argsort(exact[:, 0])], (seen := element.at.value[:, 0].T)[np.argsort(seen[:, 0])]
+        yield "strains", exact[np.argsort(exact[:, 0])], (seen := element.at.value[0].T)[np.argsort(seen[:, 0])]
 
     return compare
 
@@ -96,11 +96,10 @@ def _row(order: int, length: Any) -> list[Any]:
 
 
 def steps() -> list[Step]:
-    at = f"{KERNEL}.ContinuumAt"
     return [
-        Step("Strains in the plane: stretch and curvature d theta/ds", r"(\varepsilon, \kappa)", strains(2), SOURCE, f"{at}.value", _strains(2)),
-        Step("Strains in space: stretch and three components of curvature", r"(\varepsilon, \kappa)", strains(3), SOURCE, f"{at}.value", _strains(3)),
-        Step("Energy, a sum over Gauss points of weight ds", "dW", continuum(2).energy.subs(REST), SOURCE, f"{at}.energy", _energy),
+        Step("Strains in the plane: stretch and curvature d theta/ds", r"(\varepsilon, \kappa)", strains(2), SOURCE, f"{PLANE}.value", _strains(2)),
+        Step("Strains in space: stretch and three parts of curvature", r"(\varepsilon, \kappa)", strains(3), SOURCE, f"{SPACE}.value", _strains(3)),
+        Step("Energy, a sum over Gauss points of weight ds", "dW", continuum(2).energy.subs(REST), SOURCE, f"{PLANE}.energy", _energy),
         Step("Strains of the 1998 element as its length goes to zero: |r'| - 1 and |r'| kappa, not kappa", r"\lim (u_l', u_t'')", limit(),
              f"here, from {PAPER}, eq. 18", "mbd.elements.local_frame", _limit),
     ]  # fmt: skip

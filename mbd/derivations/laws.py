@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from mbd.elements.continuum import Continuum
 from mbd.elements.local_frame import LocalFrame
+from mbd.elements.planar_continuum import PlanarContinuum
+from mbd.elements.spatial_continuum import SpatialContinuum
 from mbd.elements.spring_strains import Offset, Stretch, Twist
 from mbd.elements.stop import StopDampers
 
@@ -195,7 +196,8 @@ def _twist(key: tuple, numbers: dict[str, Any], n: int) -> list[Term]:
 
 
 TERMS: dict[type, Callable[[tuple, dict[str, Any], int], list[Term]]] = {
-    Continuum: _continuum,
+    PlanarContinuum: _continuum,
+    SpatialContinuum: _continuum,
     LocalFrame: _chord_frame,
     Stretch: _stretch,
     Offset: _offset,

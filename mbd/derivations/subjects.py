@@ -15,8 +15,9 @@ import numpy as np
 import sympy as sp
 
 from mbd.affine import Array
-from mbd.elements.continuum import Continuum
 from mbd.elements.local_frame import LocalFrame
+from mbd.elements.planar_continuum import PlanarContinuum
+from mbd.elements.spatial_continuum import SpatialContinuum
 from mbd.scene import Scene
 
 from . import body, cable, chord, continuum, kernels, primitives
@@ -28,16 +29,17 @@ from .step import PAPER, Pairs, Step
 WRITTEN: dict[str, Callable[[], list[Step]]] = {"ancf_cable": cable.steps, "rigid_body": body.steps}
 """Steps from a source, by the word of the kind that they belong to."""
 
-PARTS: dict[str, tuple[str, Callable[[], list[Step]], type | None]] = {
-    "local_frame": ("ancf_cable", chord.steps, LocalFrame),
-    "continuum": ("ancf_cable", continuum.steps, Continuum),
-    "rows": ("", primitives.steps, None),
+PARTS: dict[str, tuple[str, Callable[[], list[Step]], tuple[type, ...]]] = {
+    "local_frame": ("ancf_cable", chord.steps, (LocalFrame,)),
+    "continuum": ("ancf_cable", continuum.steps, (PlanarContinuum, SpatialContinuum)),
+    "rows": ("", primitives.steps, ()),
 }
-"""Subjects that are no kinds: the kind whose specimens hold their kernel, their steps, the kernel."""
+"""Subjects that are no kinds: the kind whose specimens hold their kernels, their steps, the kernels."""
 
 SOURCES: dict[str, str] = {
     "LocalFrame": f"{PAPER}, eqs. 18, 25",
-    "Continuum": continuum.SOURCE,
+    "PlanarContinuum": continuum.SOURCE,
+    "SpatialContinuum": continuum.SOURCE,
     "Corotational": "Belytschko and Hsieh (1973)",
     "GeometricallyExact": "Simo and Vu-Quoc (1986)",
     "Deflection": "Pechstein, Reischl and Gerstmayr (2013)",
@@ -58,8 +60,8 @@ def words() -> list[str]:
 def steps(subject: str) -> list[Step]:
     """All steps of a subject; raises KeyError for a word that is none."""
     if subject in PARTS:
-        home, written, kernel = PARTS[subject]
-        return written() + (list(_laws(_cases(home), [kernel])) if kernel else [])
+        home, written, own = PARTS[subject]
+        return written() + (list(_laws(_cases(home), own)) if own else [])
     return WRITTEN.get(subject, list)() + list(_own(subject))
 
 
@@ -72,7 +74,7 @@ def _own(subject: str) -> Iterator[Step]:
     cases = _cases(subject)
     kind = next(kind for name, kind in kinds().items() if word(name) == subject)
     own = [part for case in cases for part in _parts(case.scene, kind)]
-    elsewhere = {kernel for *_, kernel in PARTS.values()}
+    elsewhere = {kernel for *_, own in PARTS.values() for kernel in own}
     yield from _laws(cases, [kernel for kernel in dict.fromkeys(part.kernel for part in own) if kernel not in elsewhere])
     yield from _masses(cases, kind)
     for case in cases:

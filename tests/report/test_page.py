@@ -165,7 +165,7 @@ def test_space(tmp_path):
 
 
 def test_errors_of_a_verification():
-    scene, tip = double_pendulum()
+    scene, tip = double_pendulum()[:2]
     found = mbd.verify(scene, 0.2, outputs={"tip": tip, "turn": scene[tip.item]})
     reader = Reader(page(found.result, "x", verification=found))
     assert all(line in reader.text for line in found.remarks()) and {"tip", "turn", "ok"} <= set(reader.texts)

@@ -23,7 +23,7 @@ class RandomSystem:
 
     def __init__(self, seed, n=23, m=7):
         rng = np.random.default_rng(seed)
-        self.n, self.m, self.length, self.levers, self.lengths = n, m, 1.0, np.ones(n), np.zeros(n, dtype=bool)
+        self.n, self.m, self.length, self.levers, self.lengths, self.arm = n, m, 1.0, np.ones(n), np.zeros(n, dtype=bool), np.inf
         self.mass_rows = self.mass_cols = np.arange(n)
         self.mass_values = rng.uniform(0.5, 2.0, n)
         i, j = rng.integers(0, n, (2, 3 * n))
@@ -125,9 +125,13 @@ def test_mass_and_gradient_alone_need_no_stiffness(monkeypatch):
     assert np.allclose(np.concatenate((x, y)), np.linalg.solve(system.kkt(1.0, 0.0, 0.0), right), rtol=1e-10)
 
 
-def _chosen(scene):
+def _linear(scene):
     system = scene.build()
-    return Linear(system, system.q0).format
+    return Linear(system, system.q0)
+
+
+def _chosen(scene):
+    return _linear(scene).format
 
 
 def _particles(scene, count):
@@ -176,3 +180,15 @@ def test_reverse_cuthill_mckee_on_separate_parts_and_none():
     assert np.array_equal(np.sort(order), np.arange(7))
     assert half_bandwidth(rows, cols, order) == 1
     assert reverse_cuthill_mckee(rows[:0], cols[:0], 0).size == 0
+
+
+@pytest.mark.parametrize("metre", [1.0, 1e3], ids=["m", "mm"])
+def test_the_coarsest_tolerance_is_a_small_turn_of_the_smallest_rigid_body_in_any_unit(metre):
+    scene = mbd.Scene(gravity=(0, -9.81 * metre))
+    _particles(scene, 2)
+    assert _linear(scene).coarsest == np.inf  # a point does not turn
+    for length in (12.0**0.5 * metre, 3.0 * metre):  # the first has a radius of gyration of 1 m, the lever of positions
+        scene.add(mbd.RigidBody.rod((0, 0), (length, 0), mass=2.0))
+        assert _linear(scene).coarsest == pytest.approx(linear_module.TURN * length / 12.0**0.5)
+    scene.add(mbd.AncfCable((0, 0), (metre, 0), n_elements=1, E=1.0, A=1.0, I=1.0, rho=1.0))
+    assert _linear(scene).coarsest == np.inf

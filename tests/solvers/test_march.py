@@ -6,6 +6,7 @@ import pytest
 import mbd
 from mbd.solvers import GeneralizedAlpha
 from mbd.solvers.generalized_alpha import ChungHulbert
+from mbd.solvers.pace import Pace, Rhythm
 from mbd.solvers.protocol import Attempt, State
 
 from . import by_hand
@@ -153,3 +154,10 @@ def test_steel_pendulum(index):
     # The rod itself bends by 8e-5 of its length under its weight while it is released.
     assert np.arctan2(-tip[1], tip[0]) == pytest.approx(angle, rel=5e-3)
     assert np.linalg.norm(tip) == pytest.approx(1.2, rel=1e-4)
+
+
+@pytest.mark.parametrize(("corrections", "grows"), [(2, True), (3, True), (4, False), (8, False)])
+def test_a_slow_rate_shortens_steps_only_where_corrections_were_many(corrections, grows):
+    pace = Pace(Rhythm(0.0, 1.0), [10.0], None)
+    pace.accepted(1.0, 1.0, Attempt(None, 1e-6, 4.0, 0.6, corrections))
+    assert (pace.h > 1.0) == grows

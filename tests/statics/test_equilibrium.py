@@ -272,8 +272,9 @@ def test_large_systems_count_the_same() -> None:
     matrix = kkt.Kkt(system, linear)
     joints, still, thrust = system.joints.at(system.q0), np.zeros(system.n), np.zeros(system.n_stresses)
     for load in (0.0, -3.0, -30.0, -80.0):
-        half = system.n_stresses // 2  # stretches come before curvatures
-        thrust[:half] = load * EI * system.modulus[:half] / (E * HEIGHT**2)
+        stretches = np.s_[:, 0]  # of each element the stretches come before the curvatures
+        shape = system.measures[0].modulus.shape
+        thrust.reshape(shape)[stretches] = load * EI * system.modulus.reshape(shape)[stretches] / (E * HEIGHT**2)
         tangent = linear.tangent(joints.gradient, system.stiffness(system.q0, still, system.inputs(0.0), thrust, np.zeros(system.m)))
         rows, cols, values = matrix.entries(matrix.buffer(tangent, 0.0)[0])
         dense = kkt._dense_negatives(rows, cols, values, linear.size)

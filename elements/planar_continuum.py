@@ -1,0 +1,166 @@
+"""Strains of a thin planar ANCF cable: stretch and curvature at Gauss points. The plane is that of the complex numbers, r = x + i y.
+
+    stretch    |r'| / |r0'| - 1                     U = 1/2 int EA stretch^2 + EI curvature^2 ds
+    curvature  Im(r'' / r') / |r0'| - its rest value
+
+The curvature is d theta/ds, the rotation of the tangent by reference arc length s; x runs over [0, l] and ds = |r0'| dx. Primes are
+taken by xi = x/l here: the length cancels. Limit: |r'| > 0. One product of complex arrays takes the place of four real ones: of a
+short cable a call of NumPy costs more than its numbers. Derivatives are those of Re(a b*) = a . b and Im(c a b):
+gradient by a: i (c b)*, second derivative [[Im c, Re c], [Re c, -Im c]].
+Sources: Escalona, Hussien and Shabana (1998) for the element; Gerstmayr and Irschik (2008), J. Sound Vib. 318, for these strains.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbd.affine import Array
+
+from .frozen import Frozen
+from .shapes import gauss, hermite_bend, hermite_slope
+
+Complex = NDArray[np.complex128]
+
+
+class PlanarContinuum:
+    """The kernel of all planar cables with one number of Gauss points.
+
+    nodes [n, 2, 4] indices of the nodal vectors' components, length [n], rest [n, 2, 4] the nodal vectors of the shape without stress,
+    EA, EI [n] and damping [n] (relaxation time [s]). Strains and stresses are [..., n, 2, g], the stretch before the curvature.
+    """
+
+    def __init__(self, points: int, *, nodes: np.ndarray, length: Array, rest: Array, EA: Array, EI: Array, damping: Array):
+        xi, weight = gauss(points)
+        self.points, self.items = points, len(nodes)
+        self.dofs = np.swapaxes(nodes, 1, 2).reshape(len(nodes), 8)
+        one = np.ones_like(length)
+        scale = np.stack((one, length, one, length), axis=1)
+        self.scale, self.pair_scale = np.repeat(scale, 2, axis=1), (scale[:, :, None] * scale[:, None, :]).reshape(-1, 16)
+        by_x, by_y = hermite_slope(xi), hermite_bend(xi)
+        self.by_x, self.by_y = (np.kron(by, np.eye(2)) for by in (by_x, by_y))
+        self.x_shape, self.y_shape = (by.T * scale[:, None, :] for by in (by_x, by_y))
+        alike, mixed = (np.einsum("ag,bg->gab", by_x, by) for by in (by_x, by_y))
+        self.pairs = alike.reshape(points, 16)
+        self.bent_pairs = np.concatenate((alike, mixed + np.swapaxes(mixed, 1, 2))).reshape(2 * points, 16)
+        self.per_length, self.turn = np.ones((self.items, points)), np.zeros((self.items, points), dtype=complex)
+        at_rest = PlanarContinuumAt(self, np.swapaxes(rest, 1, 2).reshape(self.items, 8))
+        rest_length = at_rest.size
+        self.per_length, self.turn = 1.0 / rest_length, 1j / rest_length
+        self.at_rest = np.stack((np.ones_like(rest_length), at_rest.bend.imag * self.per_length), axis=1)
+        arc = weight * rest_length
+        self.modulus = np.stack((EA[:, None] * arc, EI[:, None] * arc), axis=1)
+        self.viscosity = damping[:, None, None] * self.modulus
+
+    def at(self, q: Array) -> PlanarContinuumAt:
+        return PlanarContinuumAt(self, q.take(self.dofs, axis=-1))
+
+    def slopes(self, nodal: Array) -> tuple[Complex, Complex]:
+        """dr/dxi and d2r/dxi2 [..., n, g] from nodal vectors [..., n, 8]; two arrays, as strided halves of one cost more."""
+        flat, shape = (nodal * self.scale).reshape(-1, 8), (*nodal.shape[:-1], self.points)
+        return flat.dot(self.by_x).view(complex).reshape(shape), flat.dot(self.by_y).view(complex).reshape(shape)
+
+
+class PlanarContinuumAt:
+    """The cables at configurations [...]: strains, and their first and second derivatives. x = dr/dxi, y = d2r/dxi2 [..., n, g]; bend = y / x."""
+
+    def __init__(self, kernel: PlanarContinuum, nodal: Array):
+        self.kernel = kernel
+        self.x, y = kernel.slopes(nodal)
+        self.size = np.abs(self.x)
+        self.inverse = 1.0 / self.x
+        self.bend = y * self.inverse
+
+    @property
+    def value(self) -> Array:
+        """[..., n, 2, g]."""
+        k = self.kernel
+        out = np.empty((*self.size.shape[:-1], 2, k.points))
+        np.multiply(self.size, k.per_length, out=out[..., 0, :])
+        np.multiply(self.bend.imag, k.per_length, out=out[..., 1, :])
+        out -= k.at_rest
+        return out
+
+    @property
+    def stretching(self) -> Complex:
+        """The stretch by x [..., n, g]."""
+        return self.x * (self.kernel.per_length / self.size)
+
+    @property
+    def bending(self) -> Complex:
+        """The curvature by y [..., n, g]; by x it is -bend* times that."""
+        return self.inverse.conj() * self.kernel.turn
+
+    def pull(self, stress: Array) -> Array:
+        """B' sigma [..., n, 8] from sigma [..., n, 2, g]."""
+        k = self.kernel
+        on_y = stress[..., 1, :] * self.bending
+        on_x = (stress[..., 0, :] * (k.per_length / self.size)) * self.x
+        on_x -= self.bend.conj() * on_y
+        local = on_x.reshape(-1, k.points).view(float).dot(k.by_x.T)
+        local += on_y.reshape(-1, k.points).view(float).dot(k.by_y.T)
+        return local.reshape(*on_x.shape[:-1], 8) * k.scale
+
+    def push(self, change: Array) -> Array:
+        """B dq [..., n, 2, g] from dq [..., n_coordinates]."""
+        k = self.kernel
+        dx, dy = k.slopes(change.take(k.dofs, axis=-1))
+        stretch = (self.stretching.conj() * dx).real
+        return np.stack((stretch, (self.bending.conj() * (dy - self.bend * dx)).real), axis=-2)
+
+    @cached_property
+    def matrix(self) -> Array:
+        """B [..., n, 2 g, 8]."""
+        k = self.kernel
+        out, bending = np.empty((*self.size.shape[:-1], 2, k.points, 4), dtype=complex), self.bending
+        np.multiply(self.stretching[..., None], k.x_shape, out=out[..., 0, :, :])
+        np.multiply((-self.bend.conj() * bending)[..., None], k.x_shape, out=out[..., 1, :, :])
+        out[..., 1, :, :] += bending[..., None] * k.y_shape
+        return out.view(float).reshape(*self.size.shape[:-1], 2 * k.points, 8)
+
+    def frozen(self) -> Frozen:
+        """B alone, for many products."""
+        return Frozen(self.kernel, self.matrix)
+
+    def _curve(self, stress: Array) -> tuple[Array, Complex]:
+        """sigma . d2(strain) as |dx|^2 e + Im(c_xx dx^2 + 2 c_xy dx dy): e [..., n, g], and c_xx, c_xy [..., n, 2 g]."""
+        k = self.kernel
+        square = self.inverse * self.inverse
+        even = stress[..., 0, :] * (0.5 * k.per_length / self.size)
+        moment = stress[..., 1, :] * k.per_length
+        c = np.empty((*self.size.shape[:-1], 2 * k.points), dtype=complex)
+        mixed = np.multiply(-moment, square, out=c[..., k.points :])
+        c[..., : k.points] = -1j * even * self.size**2 * square - 2.0 * self.bend * mixed
+        return even, c
+
+    def stiffness(self, stress: Array, modulus: Array) -> Array:
+        """B' diag(modulus) B + sigma . d2(strain) [..., n, 8, 8]."""
+        k, (even, c) = self.kernel, self._curve(stress)
+        alike, twisted = (even @ k.pairs) * k.pair_scale, (c @ k.bent_pairs) * k.pair_scale
+        weighed = modulus.reshape(*modulus.shape[:-2], -1, 1) * self.matrix
+        out = np.swapaxes(self.matrix, -1, -2) @ weighed
+        blocks = out.reshape(*out.shape[:-2], 4, 2, 4, 2)
+        for i, j, part in ((0, 0, alike + twisted.imag), (1, 1, alike - twisted.imag), (0, 1, twisted.real), (1, 0, twisted.real)):
+            blocks[..., :, i, :, j] += part.reshape(*part.shape[:-1], 4, 4)
+        return out
+
+    def swirl(self, v: Array) -> Array:
+        """d(B v)/dq [..., n, 2, g, 8]: what damping adds to the tangent."""
+        k = self.kernel
+        vx, vy = k.slopes(v.take(k.dofs, axis=-1))
+        unit = self.x / self.size
+        stretch = (vx - unit * (unit.conj() * vx).real) * (k.per_length / self.size)
+        square = self.inverse * self.inverse * k.per_length
+        on_x, on_y = 1j * (2.0 * self.bend * square * vx - square * vy).conj(), -1j * (square * vx).conj()
+        rows = (stretch[..., None] * k.x_shape, on_x[..., None] * k.x_shape + on_y[..., None] * k.y_shape)
+        return np.ascontiguousarray(np.stack(rows, axis=-3)).view(float)
+
+    def swirl_times(self, v: Array, change: Array) -> Array:
+        """d(B v)/dq dq [..., n, 2, g]."""
+        return np.sum(self.swirl(v) * change.take(self.kernel.dofs, axis=-1)[..., None, None, :], axis=-1)
+
+    def energy(self) -> Array:
+        """[...]: of all cables together."""
+        return 0.5 * np.sum(self.kernel.modulus * self.value**2, axis=(-3, -2, -1))
