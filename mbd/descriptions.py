@@ -47,7 +47,7 @@ def described(scene: Scene) -> list[Data]:
 
 
 def functions(items: list[Data]) -> list[str]:
-    """Names of the items that were given functions of t."""
+    """Names of the items that were given functions which are no data."""
     return [item["fields"]["name"] for item in items if any(map(_is_function, item["fields"].values()))]
 
 

@@ -8,8 +8,8 @@ from typing import Any
 from ..errors import SceneError
 from ..functions import Expression
 from ..functions.expression import TIME
-from ..scene import Misfit, Scene
-from .kinds import ITEMS
+from ..scene import Scene
+from .kinds import ITEMS, Field
 from .markers import Finder
 from .text import Key
 from .values import Leaning, Values
@@ -34,8 +34,7 @@ class Builder:
             return
         item = self.scene.add(description)
         self._homes[f"{description.kind} {item.name!r}: "] = k
-        if not isinstance(item, Misfit) or item.name == description.name:
-            self.finder.known[item.name] = item
+        self.finder.known[item.name] = item
 
     def _taken(self, k: int, name: Any) -> bool:
         if name in self.finder.known:
@@ -62,14 +61,15 @@ class Builder:
             if name == "kind":
                 continue
             try:
-                values[name] = self._value(ITEMS[data["kind"]].fields[name].words, part, data)
+                values[name] = self._value(ITEMS[data["kind"]].fields[name], part, data)
             except Leaning:
                 continue
             except ValueError as error:
                 self.complain(("items", k, name), str(error))
         return values if len(values) == len(data) - 1 else None
 
-    def _value(self, words: frozenset[str], part: Any, data: dict[str, Any]) -> Any:
+    def _value(self, field: Field, part: Any, data: dict[str, Any]) -> Any:
+        words = field.words
         if "marker" in words:
             return self.finder.marker(part)
         if words & {"measure", "beam"}:
@@ -78,11 +78,11 @@ class Builder:
             return [self.finder.item(name) for name in (part if isinstance(part, list) else [part])]
         if "terms" in words:
             return [(self.values.number(coefficient), self.finder.item(name)) for coefficient, name in part]
-        return self._law(part, words, data) if "law" in words else self.values.of(words, part, None)
+        return self._law(field, part, data) if "law" in words else self.values.of(field, part, None)
 
-    def _law(self, part: Any, words: frozenset[str], data: dict[str, Any]) -> Any:
+    def _law(self, field: Field, part: Any, data: dict[str, Any]) -> Any:
         variables = law_variables(data)
-        value = self.values.of(words, part, variables)
+        value = self.values.of(field, part, variables)
         if isinstance(value, Expression) and len(value.variables) != len(variables):
             raise ValueError(f"expected {len(variables)} variables such as {', '.join(variables)}; found {', '.join(value.variables)}")
         return value

@@ -13,16 +13,20 @@ from ..descriptions import KINDS
 from ..elements import RigidBody
 from ..marker import Marker
 
+MANY = 20_000
+LIMITS = {"gauss_points": 50, "FloatingFrameBeam.n_elements": 400}
+"""Counts size arrays, those of modes and Gauss points square ones: the most of each field, ``MANY`` of others."""
 PLAIN = {int: "count", float: "number", str: "text", bool: "flag", Marker: "marker"}
 
 
 class Field(NamedTuple):
-    """``words`` of ``mbd.fields`` say what it holds; ``choices`` are the texts that it may be, if any."""
+    """``words`` of ``mbd.fields`` say what it holds; ``choices`` are the texts that it may be, if any; ``most`` the largest count."""
 
     words: frozenset[str]
     choices: tuple[str, ...]
     required: bool
     default: Any = None
+    most: int = MANY
 
 
 class Kind(NamedTuple):
@@ -35,16 +39,21 @@ class Kind(NamedTuple):
 
 def _kind(cls: Any) -> Kind:
     hints = get_type_hints(cls, include_extras=True)
-    return Kind(cls, {field.name: _field(hints[field.name], _default(field)) for field in fields(cls)}, getattr(cls, "kind", cls.__name__))
+    found = {field.name: _field(hints[field.name], _default(field), _most(cls, field.name)) for field in fields(cls)}
+    return Kind(cls, found, getattr(cls, "kind", cls.__name__))
 
 
 def _default(field: Any) -> Any:
     return field.default_factory() if field.default_factory is not MISSING else field.default
 
 
-def _field(hint: Any, default: Any) -> Field:
+def _most(cls: Any, field: str) -> int:
+    return LIMITS.get(f"{cls.__name__}.{field}", LIMITS.get(field, MANY))
+
+
+def _field(hint: Any, default: Any, most: int = MANY) -> Field:
     words, choices = frozenset(_words(hint)), get_args(hint) if get_origin(hint) is Literal else ()
-    return Field(words, choices, default in (MISSING, inspect.Parameter.empty), default)
+    return Field(words, choices, default in (MISSING, inspect.Parameter.empty), default, most)
 
 
 def _words(hint: Any) -> Iterator[str]:

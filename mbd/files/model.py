@@ -1,9 +1,9 @@
-"""The data model of scene files, made of the kinds' own fields; its JSON Schema, and the complaints about data that do not fit, in words."""
+"""The data model of scene files, made of the kinds' own fields, and its JSON Schema."""
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Annotated, Any, Literal, Union
 
@@ -14,10 +14,7 @@ try:
 except ImportError as error:
     raise ImportError("scene files need pydantic: python -m pip install 'mbd[files]'") from error
 
-from .. import validate
-from ..nearest import listed, nearest
 from .kinds import FUNCTIONS, ITEMS, SOLVERS, Field, Kind
-from .text import Key
 
 URL = "https://json-schema.org/draft/2020-12/schema"
 STRICT = ConfigDict(extra="forbid", strict=True, frozen=True)
@@ -39,8 +36,6 @@ def _told(expected: str) -> WrapValidator:
 Formula = Annotated[str, Constraint(max_length=MOST["text"])]
 Name = Annotated[str, Constraint(min_length=1, max_length=MOST["name"])]
 Finite = Annotated[float, Constraint(allow_inf_nan=False)]
-Number = Annotated[Finite | Formula, _told("a number, or a formula such as '2 * L'")]
-Vector = Annotated[list[Finite | Formula], _told("a list of numbers or formulas")]
 Law = Formula | list[Formula]
 Term = Annotated[tuple[Finite | Formula, Name], Constraint(strict=False)]
 
@@ -64,7 +59,12 @@ WORDS: dict[str, tuple[Any, str]] = {
 """The form of each word of ``mbd.fields`` in a file, and how to say it."""
 
 
-def expected(words: frozenset[str]) -> str:
+def _word(name: str) -> Any:
+    kind, told = WORDS[name]
+    return Annotated[kind, _told(told)]
+
+
+def _expected(words: frozenset[str]) -> str:
     return ", or ".join(WORDS[word][1] for word in sorted(words))
 
 
@@ -72,7 +72,7 @@ def _type(field: Field) -> Any:
     if field.choices:
         words: Any = Literal[field.choices]
         return Annotated[words, _told(f"one of {', '.join(map(repr, field.choices))}")]
-    plain: Any = Annotated[_any_of(WORDS[word][0] for word in sorted(field.words)), _told(expected(field.words))]
+    plain: Any = Annotated[_any_of(WORDS[word][0] for word in sorted(field.words)), _told(_expected(field.words))]
     named = ("Expression",) if "law" in field.words else tuple(FUNCTIONS) if "function" in field.words else ()
     if not named:
         return plain
@@ -110,21 +110,21 @@ def document() -> type[BaseModel]:
     items, solvers = _models(ITEMS), _models(SOLVERS)
     for model in (*functions.values(), *items.values()):
         model.model_rebuild(_types_namespace=functions)
-    outputs: Any = dict[Name, Annotated[Name, _told(WORDS["marker"][1])]]
-    numbers: Any = dict[Name, Number]
+    outputs: Any = dict[Name, _word("marker")]  # type: ignore[misc]
+    numbers: Any = dict[Name, _word("number")]  # type: ignore[misc]
     several: Any = list[_one_of(items)]  # type: ignore[misc]
     simulate = _table(
         "simulate",
         "How `mbd run` and the other commands run the scene, unless told otherwise; `outputs` names markers.",
-        t_end=(Number, None),
-        rtol=(Number, None),
+        t_end=(_word("number"), None),
+        rtol=(_word("number"), None),
         solver=(_one_of(solvers), None),
         outputs=(_limited(outputs, "outputs"), None),
     )
     return _table(
         "scene",
         "A scene of mbd: gravity with two components (planar) or three (spatial), and items in an order in which each names earlier ones.",
-        gravity=(Vector, ...),
+        gravity=(_word("vector"), ...),
         parameters=(_limited(numbers, "parameters"), None),
         items=(_limited(several, "items", 1), ...),
         simulate=(simulate, None),
@@ -155,65 +155,3 @@ def _plain(part: Any) -> Any:
         for name, value in part.items()
         if name != "title" and not (name == "default" and value in (None, [], {}))
     }
-
-
-def complaints(data: dict[str, Any], most: int) -> list[tuple[Key, str]]:
-    """(key, what is wrong) of everything that does not fit the model, but not of more than ``most``."""
-    try:
-        document().model_validate(data)
-    except ValidationError as error:
-        return list(_in_words(data, error.errors(include_url=False, include_input=False)[:most]))
-    return []
-
-
-def _in_words(data: Any, errors: Sequence[Any]) -> Iterator[tuple[Key, str]]:
-    for one in errors:
-        key, found = _key(data, one["loc"], one["type"])
-        yield key, _sentence(one, key, found, one["loc"])
-
-
-def _key(data: Any, loc: tuple[int | str, ...], what: str) -> tuple[Key, Any]:
-    """The key in the file, and what is there: pydantic's path without the names of alternatives."""
-    key: Key = ()
-    for part in loc:
-        inside = part in data if isinstance(data, dict) else isinstance(data, list) and isinstance(part, int)
-        if inside:
-            key, data = (*key, part), data[part]
-    return ((*key, loc[-1]) if what == "missing" else key), data
-
-
-def _sentence(one: Any, key: Key, found: Any, loc: tuple[int | str, ...]) -> str:
-    shown, context = validate.show(found), one.get("ctx", {})
-    if one["type"] == "missing":
-        return "expected a value, found none; give one"
-    if one["type"] == "extra_forbidden":
-        known = _fields_at(loc)
-        return f"expected one of {listed(known)}; found {validate.show(key[-1])}{nearest(str(key[-1]), known)}"
-    if one["type"] in ("union_tag_invalid", "union_tag_not_found"):
-        known = _kinds_at(loc)
-        kind = found.get("kind") if isinstance(found, dict) else None
-        shown = validate.show(kind) if kind is not None else "none" if isinstance(found, dict) else shown
-        return f"kind: expected one of {listed(known)}; found {shown}{nearest(kind, known) if isinstance(kind, str) else ''}"
-    if one["type"] == "expected":
-        return f"expected {context['expected']}; found {shown}"
-    if one["type"] in ("too_short", "too_long"):
-        limit = f"at least {context['min_length']}" if one["type"] == "too_short" else f"at most {context['max_length']}"
-        return f"expected {limit}; found {len(found) if isinstance(found, (list, dict)) else 'others'}"
-    what = {"list_type": "a list", "dict_type": "a table", "model_type": "a table", "model_attributes_type": "a table"}.get(one["type"])
-    return f"expected {what or 'other data (' + one['msg'] + ')'}; found {shown}"
-
-
-def _kinds_at(loc: tuple[int | str, ...]) -> list[str]:
-    if loc[0] == "simulate":
-        return list(SOLVERS)
-    return list(ITEMS) if len(loc) == 2 else list(FUNCTIONS)
-
-
-def _fields_at(loc: tuple[int | str, ...]) -> list[str]:
-    """The names known beside an unknown one: those of the innermost kind on the way to it, else of the section or the file."""
-    for part in reversed(loc[:-1]):
-        for kinds in (FUNCTIONS, ITEMS, SOLVERS):
-            if part in kinds:
-                return ["kind", *kinds[str(part)].fields]
-    home: Any = document() if len(loc) == 1 else document().model_fields["simulate"].annotation
-    return list(home.model_fields)

@@ -11,9 +11,9 @@ import numpy as np
 from ..errors import SceneError
 from ..job import Job
 from ..scene import Scene
-from . import model
 from .items import Builder
 from .kinds import SOLVERS
+from .mistakes import mistakes
 from .overrides import override
 from .text import Key, Source
 from .values import Leaning, Values, parameters
@@ -75,7 +75,7 @@ class _Reading:
         return otherwise
 
     def job(self) -> Job:
-        wrong = model.complaints(self.data, MOST_COMPLAINTS)
+        wrong = mistakes(self.data, MOST_COMPLAINTS)
         for place, what in wrong:
             self.complain(place, what)
         self.wrong = {place[:k] for place, _ in wrong for k in (1, 2, 3)}
@@ -112,4 +112,4 @@ class _Reading:
 
 def _solver(data: dict[str, Any], values: Values) -> Any:
     kind = SOLVERS[data["kind"]]
-    return kind.make(**{name: values.of(kind.fields[name].words, part, None) for name, part in data.items() if name != "kind"})
+    return kind.make(**{name: values.of(kind.fields[name], part, None) for name, part in data.items() if name != "kind"})

@@ -35,9 +35,14 @@ class Source:
         except RecursionError as error:
             raise self.error(f"expected at most {DEPTH} levels of brackets, found more") from error
         except ValueError as error:
-            found = re.search(r" ?\(at line (\d+), column \d+\)|: line (\d+) column \d+ \(char \d+\)", str(error))
-            what = str(error).replace(found[0], "") if found else str(error)
-            raise self.error(what, line=int(found[1] or found[2]) if found else None) from error
+            raise self.error(*self._told(str(error))) from error
+
+    def _told(self, what: str) -> tuple[str, int | None]:
+        """A parser's message without the place in it, and the line."""
+        if what.endswith(" (at end of document)"):
+            return f"{what.removesuffix(' (at end of document)')} at the end of the file", self._text.count("\n") + 1
+        found = re.search(r" ?\(at line (\d+), column \d+\)|: line (\d+) column \d+ \(char \d+\)", what)
+        return (what.replace(found[0], ""), int(found[1] or found[2])) if found else (what, None)
 
     def error(self, what: str, line: int | None = None) -> SceneError:
         return SceneError([f"{self.path.name}{f', line {line}' if line else ''}: {what}"])

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 from .. import validate
 from ..functions import Expression
 from ..functions.expression import TIME
-from ..functions.language import RESERVED, names_in, number
+from ..functions.language import names_in, number
+from ..functions.translation import RESERVED
 from ..nearest import nearest
-from .kinds import FUNCTIONS, Kind
+from .kinds import FUNCTIONS, Field, Kind
 
-HUGE, MANY = 1e50, 20_000
-"""Numbers and counts beyond these are refused: products of several numbers must not overflow, and counts size arrays."""
+HUGE, ALL = 1e50, 100_000
+"""Numbers beyond this are refused, so that products of several do not overflow; and more elements than this in the whole file."""
 
 
 class Leaning(ValueError):
@@ -62,6 +63,7 @@ class Values:
 
     def __init__(self, constants: Mapping[str, float], refused: Collection[str] = ()):
         self.constants, self.refused = constants, set(refused)
+        self._counted = 0
 
     def number(self, data: Any) -> float:
         if isinstance(data, str):
@@ -75,25 +77,29 @@ class Values:
             raise ValueError(f"expected a number up to {HUGE:g}, found a larger one")
         return value
 
-    def count(self, data: Any) -> int:
+    def count(self, data: Any, most: int) -> int:
         value = self.number(data)
-        if value != round(value) or not abs(value) <= MANY:
-            raise ValueError(f"expected a whole number up to {MANY}, found {value:g}; round it in the formula, or lower it")
+        if value != round(value) or not abs(value) <= most:
+            raise ValueError(f"expected a whole number up to {most}, found {value:g}; round it in the formula, or lower it")
+        self._counted += abs(round(value))
+        if self._counted > ALL:
+            raise ValueError(f"expected at most {ALL} elements in a file, found more by this item; build the scene in Python")
         return round(value)
 
     def numbers(self, data: Any) -> Any:
         """A number, or a list of them, or of lists."""
         return [self.numbers(part) for part in data] if isinstance(data, list) else self.number(data)
 
-    def of(self, words: Iterable[str], data: Any, variables: tuple[str, ...] | None) -> Any:
-        """What data mean in a field that holds these words, of laws with these variables."""
+    def of(self, field: Field, data: Any, variables: tuple[str, ...] | None) -> Any:
+        """What data mean in a field, of laws with these variables."""
+        words = field.words
         if "law" in words or "function" in words:
             return self.function(data, (TIME,) if "function" in words else variables or (), law="law" in words)
         if "count" in words:
-            return self.count(data)
+            return self.count(data, field.most)
         if "constants" in words:
             return {name: self.number(value) for name, value in data.items()}
-        return self.numbers(data) if {"number", "vector", "matrix"} & set(words) else data
+        return self.numbers(data) if {"number", "vector", "matrix"} & words else data
 
     def function(self, data: Any, variables: tuple[str, ...], law: bool = False) -> Any:
         """Numbers stay numbers unless a law is wanted; formulas of the variables and tables with a kind become functions."""
@@ -118,7 +124,7 @@ class Values:
         return Expression(texts[0] if single else texts, variables, constants, **others)
 
     def _kind(self, name: str, kind: Kind, data: dict[str, Any], variables: tuple[str, ...]) -> Any:
-        values = {key: self.of(kind.fields[key].words, part, variables) for key, part in data.items()}
+        values = {key: self.of(kind.fields[key], part, variables) for key, part in data.items()}
         if name != "Expression":
             return kind.make(**values)
         text = values.pop("text")

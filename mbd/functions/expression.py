@@ -13,7 +13,8 @@ from ..affine import Array
 from ..fields import Constants, Text, Texts, Vector
 from .function import AsData
 from .jets import Jet, jet
-from .language import RESERVED, finite, parse
+from .language import parse
+from .translation import RESERVED, finite
 
 TIME = "t"
 

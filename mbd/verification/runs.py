@@ -104,7 +104,7 @@ def _unless_it_fails(run: Callable[[float], Result], setting: float) -> Result |
 def _alike(scene: Scene, solver: Any, rtol: float) -> Any:
     """The solver with the stages that it takes at rtol: with more of them, errors would fall by far more than the tolerance."""
     from ..solvers import Radau
-    from .solvers.automatic import default
+    from ..solvers.automatic import default
 
     adaptive = Radau()
     by_itself = solver == adaptive or (solver is None and all(default(part.system)[0] == adaptive for part in scene.parts()))

@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 
 import mbd
 from mbd.functions import KINDS
-from mbd.functions.language import DEEPEST, FUNCTIONS, LONGEST, number, parse
+from mbd.functions.language import DEEPEST, LONGEST, number, parse
+from mbd.functions.translation import FUNCTIONS
 
 T = np.array([0.05, 0.31, 0.77])
 FORMULAS = [

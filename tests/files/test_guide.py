@@ -13,7 +13,7 @@ import mbd
 from mbd.__main__ import main
 from mbd.files import model
 from mbd.files.kinds import FUNCTIONS, ITEMS
-from mbd.functions.language import FUNCTIONS as WORDS
+from mbd.functions.translation import FUNCTIONS as WORDS
 
 GUIDE = Path(__file__).resolve().parents[2] / "docs" / "guide"
 SCENES = (GUIDE / "scene_files.md").read_text(encoding="utf-8")
@@ -48,11 +48,12 @@ def test_complaints_are_those_that_come(folder: Path) -> None:
 
 
 def test_limits_are_those_of_the_code() -> None:
-    from mbd.files import text, values
+    from mbd.files import kinds, text, values
 
     told = SCENES.rpartition("Files have limits: ")[2].replace("\n", " ")
-    limits = (text.LARGEST[".toml"] // 10**6, text.LARGEST[".json"] // 10**6, model.MOST["items"], model.MOST["parameters"], values.HUGE, values.MANY)
-    assert [float(number) for number in re.findall(r"\d[\de]*", told.replace(" 000", "000"))] == list(limits)
+    limits = [*(text.LARGEST[ending] // 10**6 for ending in (".toml", ".json")), model.MOST["items"], model.MOST["parameters"]]
+    limits += [values.HUGE, kinds.MANY, values.ALL]
+    assert [float(number) for number in re.findall(r"\d[\de]*", told.replace(" 000", "000"))] == limits
 
 
 def test_every_kind_of_function_and_every_word_is_told() -> None:

@@ -76,6 +76,11 @@ TEXTS: dict[str, tuple[str | bytes, str]] = {
     "formula with brackets": (HEAD + BALL.replace("mass = 1", f'mass = "{"(" * 400}1{")" * 400}"'), "mass of 'ball': expected a formula"),
     "many elements": (HEAD + ROD.replace("n_elements = 2", "n_elements = 1000000000"), "n_elements of 'rod': expected a whole number up to"),
     "many elements by formula": (HEAD + ROD.replace("n_elements = 2", 'n_elements = "1e9"'), "n_elements of 'rod': expected a whole number up to"),
+    "many modes": (HEAD + ROD.replace("AncfCable", "FloatingFrameBeam").replace("= 2\n", "= 20000\n"), "expected a whole number up to 400"),
+    "many cables of many elements": (
+        HEAD + "".join(ROD.replace("= 2\n", "= 20000\n").replace("rod", f"rod{k}") for k in range(10)),
+        "items[5].n_elements of 'rod5': expected at most 100000 elements in a file",
+    ),
     "half an element": (HEAD + ROD.replace("n_elements = 2", 'n_elements = "5 / 2"'), "found 2.5"),
     "negative elements": (HEAD + ROD.replace("n_elements = 2", "n_elements = -2"), "n_elements of 'rod': expected a whole number of at least 1"),
     "many Gauss points": (HEAD + ROD + "gauss_points = 99999999", "gauss_points of 'rod': expected"),
