@@ -71,6 +71,7 @@ def simulate(
         raise trouble
     _warn_of_imbalance(result)
     _warn_of_coarse_steps(legs)
+    _warn_of_passages(legs)
     _warn_of_doubts(result)
     return result
 
@@ -161,6 +162,22 @@ def _warn_of_coarse_steps(legs: Sequence[Leg]) -> None:
         warnings.warn(
             f"the fixed steps are too long: errors estimated in them add up to {worst:.2g} of the scene's length: "
             "do not trust this run; take shorter steps or a solver with error control",
+            SceneWarning,
+            stacklevel=3,
+        )
+
+
+def _warn_of_passages(legs: Sequence[Leg]) -> None:
+    """Where joints lose their grip a mechanism may go on in two ways, and equations do not say in which."""
+    from .passages import passages
+
+    found = sorted(passage for leg in legs for passage in passages(leg.trajectory))
+    if found:
+        t, items = found[0]
+        warnings.warn(
+            f"joints {', '.join(map(repr, items))} went through a singular position at t = {t:.6g} s: there they hold less than elsewhere, and "
+            "the motion may go on in another way too; the smooth one was followed. If no such position is meant to be reached, do not trust this "
+            "run: lower rtol; mbd.check tells how far it is",
             SceneWarning,
             stacklevel=3,
         )
