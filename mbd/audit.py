@@ -12,7 +12,6 @@ from .affine import Array
 from .system import System
 from .trajectory import Joined, Trajectory
 
-
 KNOWN = 1e-3
 """Kinetic energy that a run may lose or gain where little is exchanged: velocities off by half of this."""
 
