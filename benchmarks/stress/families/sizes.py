@@ -38,18 +38,19 @@ def chain(links: int, t_end: float, rtol: float = 1e-6) -> tuple[mbd.Result, np.
 
 
 @cache
-def chain_end(links: int) -> np.ndarray:
-    """One link: a rod. Long ones: what the support does has not come to the end, which falls freely. Else the run at rtol 1e-11."""
+def chain_depth(links: int) -> float:
+    """Of the end. One link: a rod. Long chains: the part that is still straight falls freely, while tension may pull it sideways. Else the
+    run at rtol 1e-11."""
     if links == 1:
-        return exact.flat(EARLY, LINK)
+        return float(exact.flat(EARLY, LINK)[1])
     if links >= 30:
-        return np.array([links * LINK, -0.5 * exact.GRAVITY * EARLY**2])
-    return chain(links, EARLY, 1e-11)[1]
+        return -0.5 * exact.GRAVITY * EARLY**2
+    return float(chain(links, EARLY, 1e-11)[1][1])
 
 
 def links(count: float) -> Checked:
     result, end = chain(int(count), EARLY)
-    return audited(result, share(end, chain_end(int(count)), LINK))
+    return audited(result, abs(end[1] - chain_depth(int(count))) / LINK)
 
 
 def apart(count: float) -> float:
