@@ -78,8 +78,8 @@ def audit(system: System, trajectory: Trajectory | Joined) -> Audit:
 
 def _summed(found: Sequence[_Found], length: float, parts: tuple[Audit, ...] = ()) -> Audit:
     gap, slip, speed = (max(getattr(one, name) for one in found) for name in ("gap", "slip", "speed"))
-    energies = (sum(getattr(one, name) for one in found) for name in ("error", "exchanged", "level", "moving", "work"))
-    return Audit(gap / length, slip / max(speed, 1e-300), *energies, parts)
+    error, exchanged, level, moving, work = (sum(getattr(one, name) for one in found) for name in ("error", "exchanged", "level", "moving", "work"))
+    return Audit(gap / length, slip / max(speed, 1e-300), error, exchanged, level, moving, work, parts)
 
 
 def _found(trajectory: Trajectory) -> _Found:

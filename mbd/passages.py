@@ -60,7 +60,7 @@ def _slopes(system: System, linear: Any, q: Any) -> Array:
     joints = system.joints
     gradient = np.broadcast_to(joints.at(q).gradient, (len(q), joints.rows.size))
     dense = np.zeros((len(q), system.m, system.n))
-    np.add.at(dense, (slice(None), joints.rows, joints.cols), gradient)
+    dense[:, joints.rows, joints.cols] = gradient
     return dense * linear.scale[system.n :, None] * linear.scale[: system.n]
 
 
