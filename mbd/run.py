@@ -160,7 +160,7 @@ def _warn_of_passages(result: Result) -> None:
         warnings.warn(
             f"joints {', '.join(map(repr, items))} went through a singular position at t = {t:.6g} s: there they hold less than elsewhere, and "
             "the motion may go on in another way too; the smooth one was followed. If no such position is meant to be reached, do not trust this "
-            "run: lower rtol; mbd.check tells how far it is",
+            "run: lower rtol; mbd.check(scene, state) tells more",
             SceneWarning,
             stacklevel=4,
         )

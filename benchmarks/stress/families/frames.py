@@ -190,13 +190,14 @@ def blade_end(speed: float) -> np.ndarray:
     return stretched(speed)[0][-1] * np.array([np.cos(angle), np.sin(angle)])
 
 
+UNITS = "for Exudyn too any difference above 1e-9 counts, which may be far from wrong"
 SAME = "the same run in metres, kilograms and seconds"
 UNIT = powers(-15, 15, 5)
 SHIFT = "the same run at the origin; in units of 30 rtol and 100 roundings of the offset"
 FAMILIES = (
-    Family("unit of length", "numbers over those in metres", SAME, UNIT, 1.0, 1e-9, length_unit, quick=(1e5,), wanted=powers(-5, 5, 5)),
-    Family("unit of mass", "numbers over those in kilograms", SAME, UNIT, 1.0, 1e-9, mass_unit, wanted=powers(-5, 5, 5)),
-    Family("unit of time", "numbers over those in seconds", SAME, UNIT, 1.0, 1e-9, time_unit, wanted=powers(-5, 5, 5)),
+    Family("unit of length", "numbers over those in metres", SAME, UNIT, 1.0, 1e-9, length_unit, quick=(1e5,), wanted=powers(-5, 5, 5), note=UNITS),
+    Family("unit of mass", "numbers over those in kilograms", SAME, UNIT, 1.0, 1e-9, mass_unit, wanted=powers(-5, 5, 5), note=UNITS),
+    Family("unit of time", "numbers over those in seconds", SAME, UNIT, 1.0, 1e-9, time_unit, wanted=powers(-5, 5, 5), note=UNITS),
     Family("offset, bodies", "offset of all coordinates [m]", SHIFT, (0.0, *powers(0, 12, 3)), 0.0, 1.0, rigid_offset, quick=(1e6,),
            wanted=powers(0, 6, 3)),
     Family("offset, beam", "offset of all coordinates [m]", SHIFT, (0.0, *powers(0, 9, 3)), 0.0, 1.0, beam_offset, quick=(1e6,),
