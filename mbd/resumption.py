@@ -19,7 +19,7 @@ from .leg import Aim, Back, Leg
 from .parts import Part
 from .progress import Plan, Progress, Stage
 from .result import Result
-from .run import checked_times, finished, warn_of_coarse_steps, warn_of_doubts, warn_of_imbalance
+from .run import checked_times, finished, warn
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -65,9 +65,7 @@ def resume(
     legs = [_leg(part, stage, plan, result, later) for part, stage in zip(parts, before.stages)]
     assembly = replace(result.assembly, linear=legs[0].linear) if len(legs) == 1 else result.assembly
     whole = finished(Course(own, plan, assembly, legs), progress, kept)
-    warn_of_imbalance(whole)
-    warn_of_coarse_steps(whole)
-    warn_of_doubts(whole)
+    warn(whole)
     return whole
 
 

@@ -69,9 +69,7 @@ def simulate(
     announce(assembly)
     legs = [_leg(part, each, solver, plan) for part, each in zip(parts, begin)]
     result = finished(Course(scene, plan, assembly, legs), progress, kept)
-    warn_of_imbalance(result)
-    warn_of_coarse_steps(result)
-    warn_of_doubts(result)
+    warn(result)
     return result
 
 
@@ -113,7 +111,15 @@ def _leg(part: Part, start: Assembly, solver: Any, plan: Plan) -> Leg:
     return Leg(part, start.linear, chosen, reason, states, Aim(plan.t_end, plan.rtol, plan.events))
 
 
-def warn_of_imbalance(result: Result) -> None:
+def warn(result: Result) -> None:
+    """What the user should know of a run that ended well."""
+    _warn_of_imbalance(result)
+    _warn_of_coarse_steps(result)
+    _warn_of_passages(result)
+    _warn_of_doubts(result)
+
+
+def _warn_of_imbalance(result: Result) -> None:
     """An energy that does not add up is the one sign of an unstable or far too coarse run that every scene gives."""
     audit = result.audit
     pieces = result.trajectory.pieces()
@@ -124,7 +130,7 @@ def warn_of_imbalance(result: Result) -> None:
                 f"the energy{where} is off by {part.energy_error:.3g} J where {part.energy_scale:.3g} J were exchanged: "
                 "do not trust this run; lower rtol or the step",
                 SceneWarning,
-                stacklevel=3,
+                stacklevel=4,
             )
 
 
@@ -132,7 +138,7 @@ COARSE = 0.03
 """The sum of the errors estimated in fixed steps, as a share of the length, above which a run is not to be trusted."""
 
 
-def warn_of_coarse_steps(result: Result) -> None:
+def _warn_of_coarse_steps(result: Result) -> None:
     """Nothing controls fixed steps: their errors are added up instead."""
     worst = result.stats["coarseness"]
     if worst > COARSE:
@@ -140,15 +146,31 @@ def warn_of_coarse_steps(result: Result) -> None:
             f"the fixed steps are too long: errors estimated in them add up to {worst:.2g} of the scene's length: "
             "do not trust this run; take shorter steps or a solver with error control",
             SceneWarning,
-            stacklevel=3,
+            stacklevel=4,
         )
 
 
-def warn_of_doubts(result: Result) -> None:
+def _warn_of_passages(result: Result) -> None:
+    """Where joints lose their grip a mechanism may go on in two ways, and equations do not say in which."""
+    from .passages import passages
+
+    found = sorted(passage for piece in result.trajectory.pieces() for passage in passages(piece))
+    if found:
+        t, items = found[0]
+        warnings.warn(
+            f"joints {', '.join(map(repr, items))} went through a singular position at t = {t:.6g} s: there they hold less than elsewhere, and "
+            "the motion may go on in another way too; the smooth one was followed. If no such position is meant to be reached, do not trust this "
+            "run: lower rtol; mbd.check tells how far it is",
+            SceneWarning,
+            stacklevel=4,
+        )
+
+
+def _warn_of_doubts(result: Result) -> None:
     """What items know of the limits of their own formulation."""
     for item in result.scene.items:
         for doubt in item.doubts(result.q) if hasattr(item, "doubts") else []:
-            warnings.warn(doubt, SceneWarning, stacklevel=3)
+            warnings.warn(doubt, SceneWarning, stacklevel=4)
 
 
 class _Bar:

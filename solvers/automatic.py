@@ -17,7 +17,7 @@ from .projected import ProjectedExplicit
 from .protocol import Attempt, State
 from .radau import Radau, RadauIIA
 from .start import accelerations, mass_factor
-from .system import Array, System
+from .system import Array, Index, System
 
 IMPLICIT_STEPS = 5
 """Steps that the implicit method takes before the explicit one is tried again."""
@@ -26,6 +26,10 @@ IMPLICIT, EXPLICIT = 0, 1
 
 STABLE, ALARMS = 6.1, 15
 """Step times fastest rate at the border of stability, and the surplus of steps beyond it that proves a system stiff (Hairer and Wanner)."""
+
+
+FAR = 100.0
+"""First step times fastest rate from which on a system is taken for stiff at once; steps tell what is not as clear."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +76,7 @@ class Switching:
 
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:
         """One step by the method at work; where the explicit one cannot go on, by the implicit one."""
-        memory = state.memory or Memory(True, None)
+        memory = state.memory or self._opening(system, linear, state, h)
         if memory.explicit or memory.left == 0:
             inner = memory.inner if memory.explicit else None
             attempt = self.explicit.step(system, linear, state._replace(memory=inner), h, tolerance)
@@ -84,6 +88,13 @@ class Switching:
             return attempt
         then = Memory(False, attempt.state.memory, max(memory.left - 1, 0))
         return attempt._replace(state=attempt.state._replace(memory=then, method=IMPLICIT))
+
+    def _opening(self, system: System, linear: Linear, state: State, h: float) -> Memory:
+        """Who starts: the implicit method, for good, where stability would shorten the first step to less than 1 / FAR. Before that were seen from
+        steps, velocities would be as wrong as errors of tiny steps may be, and dampers would dissipate what nobody put in."""
+        if (system.n_stresses or system.damped) and h * _fastest_bound(system, linear, state) > FAR:
+            return Memory(False, None, np.inf)
+        return Memory(True, None)
 
     def _after_explicit(self, system: System, linear: Linear, attempt: Attempt, after: State, alarms: int) -> Attempt:
         """The explicit method goes on, unless its steps were too often as long as stability allows."""
@@ -100,6 +111,21 @@ class Switching:
         if after.method == EXPLICIT:
             return self.explicit.inside(system, linear, before._replace(memory=None), after, times)
         return self.implicit.inside(system, linear, _complete(system, linear, before), after, times)
+
+
+def _fastest_bound(system: System, linear: Linear, state: State) -> float:
+    """A rate [1/s] that no vibration or decay about a state exceeds: row sums of K and D in units in which masses are 1."""
+
+    def size(rows: Index, cols: Index, values: Array) -> float:
+        scaled = np.abs(values) * linear.scale[rows] * linear.scale[cols]
+        return float(np.max(np.bincount(rows, scaled, minlength=1)))
+
+    inputs = system.inputs(state.t)
+    stiffness = system.stiffness(state.q, state.v, inputs, state.stress, state.multipliers)
+    rate = np.sqrt(size(system.stiffness_rows, system.stiffness_cols, stiffness))
+    if system.damped:
+        rate = max(rate, size(system.damping_rows, system.damping_cols, system.damping(state.q, state.v, inputs)))
+    return float(rate)
 
 
 def _complete(system: System, linear: Linear, state: State) -> State:

@@ -79,6 +79,7 @@ class ChungHulbert:
         self.alpha_m, self.alpha_f = (2.0 * rho_inf - 1.0) / (rho_inf + 1.0), rho_inf / (rho_inf + 1.0)
         self.gamma = 0.5 + self.alpha_f - self.alpha_m
         self.beta = 0.25 * (self.gamma + 0.5) ** 2
+        self.leading = abs(self.beta + 0.5 * (self.alpha_m - self.alpha_f) - 1.0 / 6.0)  # by h^2 and the change of q'': the error of q
 
     def kept(self, memory: Memory) -> Memory | None:
         return memory if memory.inner else None
@@ -123,7 +124,7 @@ class ChungHulbert:
         memory = Memory(h, (v - equations.v_free) / (self.gamma * h), equations.acceleration(v))
         after = State(state.t + h, q, v, x.multipliers, x.stress, memory)
         change = float(np.max(np.abs(memory.acceleration - equations.true) * system.levers))
-        error = h * h * abs(self.beta + 0.5 * (self.alpha_m - self.alpha_f) - 1.0 / 6.0) * change  # of order h^3, in positions
+        error = h * h * self.leading * change
         nodes = (np.array([state.t, after.t]), np.stack((state.q, q)), np.stack((state.v, v)), np.full(2, 0.5 * h))
         return Attempt(after, error, 2.0, rate, solves, nodes=nodes, multipliers=np.stack((state.multipliers, x.multipliers)))
 

@@ -78,7 +78,7 @@ def _gauss(method: Any, system: System, linear: Linear, of: _Checked) -> Any:
 def _explicit(method: Any, system: System, linear: Linear, of: _Checked) -> Any:
     form = index_one(system, linear)
     w, rate, multipliers = of("w", *form.shape), of("rate", *form.shape), of("multipliers", form.m)
-    return projected.Memory(form, w, rate, multipliers, of.number("coarsest"), of.number("stiffness"))
+    return projected.Memory(form, w, rate, multipliers, of.number("stiffness"))
 
 
 def _switching(method: Any, system: System, linear: Linear, of: _Checked) -> Any:

@@ -58,7 +58,7 @@ class Pace:
 
     def _on_clock(self, t: float, h: float) -> float:
         """The step that t + h is away as a number: late in a run h is far finer than the clock."""
-        return (t + h) - t if self.fixed is None else h
+        return max((t + h) - t, float(np.spacing(t))) if self.fixed is None else h
 
     def accepted(self, t: float, h: float, attempt: Attempt) -> None:
         """After a step of length h that ended at t."""

@@ -53,6 +53,5 @@ def test_a_thousand_periods_of_the_elastic_pendulum(long_runs):
 def test_the_page_says_what_was_measured(long_runs):
     rows = [long_runs.Row(**row) for row in json.loads(long_runs.OUT.with_suffix(".json").read_text(encoding="utf-8"))]
     assert long_runs.OUT.read_text(encoding="utf-8") == long_runs.page(rows)
-    kept = {(row.case, row.method): row for row in rows}
-    for case, method in (("rigid", "Gauss, 4 stages, T/20"), ("elastic", "Gauss, 2 stages, 8 samples, T/80")):
-        assert kept[case, method].energy < 1e-8
+    preserving = [row for row in rows if row.method.startswith("Gauss")]
+    assert preserving and all(row.energy < 1e-8 for row in preserving)

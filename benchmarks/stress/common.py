@@ -8,6 +8,8 @@ import numpy as np
 
 import mbd
 
+from .family import Checked
+
 
 def share(found: Any, wanted: Any, scale: float) -> float:
     """The distance over the scale; infinite for what is not a number."""
@@ -15,13 +17,15 @@ def share(found: Any, wanted: Any, scale: float) -> float:
     return distance if np.isfinite(distance) else np.inf
 
 
-def audited(result: mbd.Result, error: float = 0.0) -> float:
-    """The largest of an error, the energy's share that does not add up, and what joints are open by; infinite if anything is not a number."""
+def audited(result: mbd.Result, error: float = 0.0) -> Checked:
+    """An error, with the largest of what the audit finds: the share of the energy that does not add up, and what joints are open by; infinite
+    if anything is not a number."""
     audit = result.audit
     scale = max(audit.energy_scale, audit.moving_energy, 1e-9 * audit.energy_level)
     energy = audit.energy_error / scale if scale > 0.0 else 0.0
-    worst = max(error, energy, audit.position_drift, 1e-3 * audit.velocity_drift)
-    return float(worst) if np.isfinite(worst) and np.isfinite(result.q).all() and np.isfinite(result.v).all() else np.inf
+    shown = max(energy, audit.position_drift, 1e-3 * audit.velocity_drift)
+    finite = np.isfinite([error, shown]).all() and np.isfinite(result.q).all() and np.isfinite(result.v).all()
+    return Checked(float(error), float(shown)) if finite else Checked(np.inf, 0.0)
 
 
 def powers(first: int, last: int, step: int = 1) -> tuple[float, ...]:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import importlib
+import resource
 import signal
 import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from multiprocessing import Pipe, get_context
 from typing import Any, NamedTuple
 
 import mbd
@@ -16,14 +18,21 @@ import mbd
 Level = float | str
 
 RIGHT, REFUSED, ANNOUNCED, SILENT, SLOW = "right", "refused", "announced", "SILENT", "too slow"
-"""Verdicts. ANNOUNCED: the result is wrong and a warning says so. SLOW: stopped at the patience of the sweep."""
+"""Verdicts. ANNOUNCED: the result is wrong, and a warning or its audit says so. SLOW: stopped at the patience of the sweep."""
 
-PATIENCE = 60.0
+PATIENCE = 20.0
 """Seconds of processor time that one level may take."""
 
 
 class PeerFailure(Exception):
     """What the peer said when it gave up."""
+
+
+class Checked(NamedTuple):
+    """An error against a reference, and what the result's own audit shows to be wrong, both as shares."""
+
+    error: float
+    shown: float = 0.0
 
 
 class Verdict(NamedTuple):
@@ -52,7 +61,7 @@ class Family:
     levels: Sequence[Level]
     nominal: Level
     bar: float
-    run: Callable[[Any], float]
+    run: Callable[[Any], float | Checked]
     quick: Sequence[Level] = ()
     wanted: Sequence[Level] = ()
     note: str = ""
@@ -92,35 +101,62 @@ def judged(family: Family, level: Level) -> Verdict:
         warnings.simplefilter("always")
         try:
             with at_most(family.patience):
-                error = family.run(level)
+                found = family.run(level)
         except mbd.SimulationError as failure:
             return verdict(SLOW if failure.what == "interrupted" else REFUSED, None, str(failure))
         except mbd.SceneError as failure:
             return verdict(REFUSED, None, str(failure))
         except KeyboardInterrupt:
             return verdict(SLOW)
+    checked = found if isinstance(found, Checked) else Checked(found)
     said = "; ".join(dict.fromkeys(str(w.message) for w in caught if issubclass(w.category, mbd.SceneWarning)))
+    error = max(checked)
     if error <= family.bar:
         return verdict(RIGHT, error, said)
-    return verdict(ANNOUNCED if "do not trust" in said else SILENT, error, said)
+    announced = "do not trust" in said or checked.shown > family.bar
+    return verdict(ANNOUNCED if announced else SILENT, error, said or f"the audit shows an error of {checked.shown:.1e}")
 
 
 def peer_judged(family: Family, level: Level) -> Verdict:
-    """Exudyn's run: right if any of its settings is; silent if none is and one of them reported success."""
-    clock, errors, said = time.process_time(), [], ""
+    """Exudyn's run: right if any of its settings is; silent if none is and one of them reported success. In a process of its own, which
+    ends at the patience: it cannot be interrupted."""
+    here, there = Pipe(duplex=False)
+    child = get_context("fork").Process(target=_tries, args=(family, level, there))
+    clock = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    child.start()
+    there.close()
+    errors, said, ended = [], "", False
+    with suppress(EOFError):
+        while True:
+            found = here.recv()
+            ended = found is None
+            if isinstance(found, str):
+                said = found
+            elif found is not None:
+                errors.append(found)
+    child.join()
+    best = min((e for e in errors if e == e), default=None)
+    seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - clock
+    if best is not None and best <= family.bar:
+        return Verdict(RIGHT, best, said, seconds)
+    return Verdict(SILENT if errors else REFUSED if ended else SLOW, best, said, seconds)
+
+
+def _tries(family: Family, level: Level, send: Any) -> None:
+    """Sends the error of every setting until one is right, or what was said instead; None at the end."""
+    resource.setrlimit(resource.RLIMIT_CPU, (int(time.process_time()) + int(PATIENCE), resource.RLIM_INFINITY))
     runs = family.peer
     assert runs is not None
     for run in runs(level):
         try:
-            errors.append(run())
+            error = run()
         except PeerFailure as failure:
-            said = str(failure)
+            send.send(str(failure))
             continue
-        if errors[-1] <= family.bar:
+        send.send(error)
+        if error <= family.bar:
             break
-    best = min((e for e in errors if e == e), default=None)
-    kind = REFUSED if not errors else RIGHT if best is not None and best <= family.bar else SILENT
-    return Verdict(kind, best, said, time.process_time() - clock)
+    send.send(None)
 
 
 def reach(family: Family, verdicts: dict[Level, Verdict]) -> list[Level]:

@@ -90,7 +90,7 @@ def test_steps_of_changing_length_keep_the_order(index):
         system, linear, record, _ = begin()
         method, state = GeneralizedAlpha(1.0, index=index).integrator(1e-6), record.states[0]
         for k in range(2 * count):
-            state = method.step(system, linear, state, (2.0 - k % 2) / (3.0 * count), 0.0).state
+            state = method.step(system, linear, state, (2.0 - k % 2) / (3.0 * count), 1e-6).state
         assert state.t == pytest.approx(1.0, abs=1e-12)
         errors.append([np.abs(state.q - exact([1.0])[0]).max(), np.abs(state.v - exact([1.0])[1]).max()])
     # From below only: index 3 starts with errors in v that fade faster than h^2.
@@ -105,7 +105,7 @@ def test_steps_are_solved_however_newton_got_there(monkeypatch, h):
         monkeypatch.setattr(generalized_alpha, "NEWTON", share)
         system, linear, record, _ = begin()
         before = linear.factorizations
-        ends.append(GeneralizedAlpha(h).integrator(1e-6).step(system, linear, record.states[0], h, 0.0).state)
+        ends.append(GeneralizedAlpha(h).integrator(1e-6).step(system, linear, record.states[0], h, 1e-6).state)
         renewals.append((linear.factorizations - before - 3) // 2)
     # Newton stops at 1e-11 of the length, and G v is a velocity: a ten times larger difference over h would be an iterate too early.
     assert np.abs(ends[0].q - ends[1].q).max() < 1e-10 * LENGTH

@@ -12,7 +12,7 @@ import mbd
 from ... import machines
 from .. import exact
 from ..common import audited, powers, share
-from ..family import Family
+from ..family import Checked, Family
 
 # Units: a flexible slider-crank with a spring and damper on its slider; numbers are those of SI times the factors.
 UNITS_END = 0.1
@@ -103,7 +103,7 @@ def beam_offset(offset: float) -> float:
     return _offset(_beam_at, offset)
 
 
-def clock(start: float) -> float:
+def clock(start: float) -> Checked:
     """A pendulum whose run starts at a late time; the clock itself is exact to its rounding only."""
     scene = mbd.Scene(gravity=(0.0, -exact.GRAVITY))
     rod = scene.add(mbd.RigidBody.rod((0, 0), (1.2, 0), mass=1.0, name="rod"))
@@ -113,7 +113,7 @@ def clock(start: float) -> float:
     return audited(result, share(result.position(rod.at(0.6, 0))[-1], exact.flat(1.0), 1.2))
 
 
-def periods(count: float) -> float:
+def periods(count: float) -> Checked:
     """A rod released 60 degrees from hanging, at rtol 1e-10."""
     tilt = np.pi / 3.0
     scene = mbd.Scene(gravity=(0.0, -exact.GRAVITY))
@@ -152,11 +152,11 @@ def _about_z(angle: float) -> np.ndarray:
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def top(spin: float) -> float:
+def top(spin: float) -> Checked:
     omega, start, end = precession(spin)
     scene, centre = mbd.Scene(gravity=(0.0, 0.0, -exact.GRAVITY)), ARM * start[:, 2]
-    body = scene.add(mbd.RigidBody(
-        mass=1.0, inertia=(ACROSS, ACROSS, ALONG), position=centre, rotation=start, velocity=np.cross(omega, centre), angular_velocity=omega, name="top"))
+    motion = {"velocity": np.cross(omega, centre), "angular_velocity": omega}
+    body = scene.add(mbd.RigidBody(mass=1.0, inertia=(ACROSS, ACROSS, ALONG), position=centre, rotation=start, **motion, name="top"))
     scene.add(mbd.Ball(body.at(0, 0, -ARM), scene.ground.at(0, 0, 0), name="tip"))
     result = mbd.simulate(scene, SPIN_END, rtol=1e-9)
     return audited(result, share(result.rotation(body)[-1], end, 1.0))
@@ -173,7 +173,7 @@ def stretched(speed: float) -> tuple[np.ndarray, np.ndarray]:
     return np.sin(k * s) / (k * np.cos(0.1 * k)), np.cos(k * s) / np.cos(0.1 * k)
 
 
-def blade(speed: float) -> float:
+def blade(speed: float) -> Checked:
     radius, slope = stretched(speed)
     scene = mbd.Scene(gravity=(0.0, 0.0))
     rod = scene.add(mbd.AncfCable(**BLADE._asdict(), name="blade"))
@@ -191,18 +191,22 @@ def blade_end(speed: float) -> np.ndarray:
 
 
 SAME = "the same run in metres, kilograms and seconds"
-UNIT = powers(-15, 15, 3)
+UNIT = powers(-15, 15, 5)
 SHIFT = "the same run at the origin; in units of 30 rtol and 100 roundings of the offset"
 FAMILIES = (
-    Family("unit of length", "numbers over those in metres", SAME, UNIT, 1.0, 1e-9, length_unit, quick=(1e3, 1e-3), wanted=powers(-6, 6, 3)),
-    Family("unit of mass", "numbers over those in kilograms", SAME, UNIT, 1.0, 1e-9, mass_unit, wanted=powers(-6, 6, 3)),
-    Family("unit of time", "numbers over those in seconds", SAME, UNIT, 1.0, 1e-9, time_unit, wanted=powers(-6, 6, 3)),
-    Family("offset, bodies", "offset of all coordinates [m]", SHIFT, (0.0, *powers(0, 12)), 0.0, 1.0, rigid_offset, quick=(1e6,), wanted=powers(0, 6)),
-    Family("offset, beam", "offset of all coordinates [m]", SHIFT, (0.0, *powers(0, 12)), 0.0, 1.0, beam_offset, quick=(1e6,), wanted=powers(0, 6)),
-    Family("clock", "time at the start of a run of 1 s", "elliptic functions", (0.0, *powers(0, 15)), 0.0, 1e-3, clock, quick=(1e6,), wanted=powers(0, 6)),
+    Family("unit of length", "numbers over those in metres", SAME, UNIT, 1.0, 1e-9, length_unit, quick=(1e5,), wanted=powers(-5, 5, 5)),
+    Family("unit of mass", "numbers over those in kilograms", SAME, UNIT, 1.0, 1e-9, mass_unit, wanted=powers(-5, 5, 5)),
+    Family("unit of time", "numbers over those in seconds", SAME, UNIT, 1.0, 1e-9, time_unit, wanted=powers(-5, 5, 5)),
+    Family("offset, bodies", "offset of all coordinates [m]", SHIFT, (0.0, *powers(0, 12, 3)), 0.0, 1.0, rigid_offset, quick=(1e6,),
+           wanted=powers(0, 6, 3)),
+    Family("offset, beam", "offset of all coordinates [m]", SHIFT, (0.0, *powers(0, 9, 3)), 0.0, 1.0, beam_offset, quick=(1e6,),
+           wanted=powers(0, 6, 3)),
+    Family("clock", "time at the start of a run of 1 s", "elliptic functions", (0.0, *powers(3, 18, 3)), 0.0, 1e-3, clock, quick=(1e6,),
+           wanted=powers(3, 12, 3)),
     Family("time span", "periods of a rigid pendulum", "elliptic functions", powers(0, 4), 1.0, 1e-3, periods, quick=(10.0,), wanted=powers(0, 4),
            patience=600.0),
-    Family("spin of a top", "angular velocity [rad/s], 0.05 s, rtol 1e-9", "regular precession", (50.0, *powers(2, 5)), 100.0, 1e-3, top, quick=(1e4,),
+    Family("spin of a top", "angular velocity [rad/s], 0.05 s, rtol 1e-9", "regular precession", (50.0, *powers(2, 5)), 100.0, 1e-3, top,
+           quick=(1e4,),
            wanted=powers(2, 4)),
     Family("spin of a beam", "angular velocity [rad/s] of a steel rod of 0.1 m", "stretched rod, closed form",
            (*powers(0, 4), 3e4, 5e4, 7e4, 8e4), 1e2, 1e-3, blade, quick=(1e4,), wanted=powers(0, 4)),

@@ -53,8 +53,8 @@ def slenderness(value: float) -> Attempts:
 
     def make() -> Machine:
         mbs = empty()
-        nodes = cable(mbs, of.square(value), 0.0)
-        shape, slope = of.first_mode(np.linspace(0.0, 1.0, 9))
+        nodes = cable(mbs, of.square(value, of.VIBRATING), 0.0)
+        shape, slope = of.first_mode(np.linspace(0.0, 1.0, of.VIBRATING + 1))
         for node, y, dy in zip(nodes, shape, slope):
             mbs.SetNodeParameter(node, "initialVelocities", [0.0, 1e-3 * frequency * y, 0.0, 1e-3 * frequency * dy])
         ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
@@ -69,7 +69,7 @@ def slenderness(value: float) -> Attempts:
 
 
 def half_circle(value: float) -> Attempts:
-    given = of.square(value, 16)
+    given = of.square(value, of.BENT)
 
     def make() -> Machine:
         mbs = empty()

@@ -11,7 +11,7 @@ import numpy as np
 from ...exudyn_scenes import Machine, cable, empty, items, node_position
 from ..family import PeerFailure
 
-SHORTEST = 1e-4
+SHORTEST = 1e-2
 """How far its adaptive steps may shrink, as a share of the step given: runs that go below take minutes."""
 
 MAKE = Callable[[], Machine]

@@ -43,8 +43,8 @@ def _imbalance(mbs: object, bodies: list[int]) -> np.ndarray:
 
 def links(count: float) -> Attempts:
     for steps in (100, 400)[: 2 if count < 5000 else 1]:
-        yield lambda n=steps: share(  # type: ignore[misc]
-            dynamic(lambda: _chain(int(count)), of.EARLY, n, sparse=count > 30), of.chain_end(int(count)), of.LINK)  # fmt: skip
+        yield lambda n=steps: abs(  # type: ignore[misc]
+            dynamic(lambda: _chain(int(count)), of.EARLY, n, sparse=count > 30)[1] - of.chain_depth(int(count))) / of.LINK  # fmt: skip
 
 
 def apart(count: float) -> Attempts:

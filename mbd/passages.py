@@ -1,0 +1,79 @@
+"""Singular positions that a run went through, as where all bars of a linkage lie in line.
+
+There the joints hold less than elsewhere and the mechanism could go on in another way. Between two neighbouring states the determinant of
+G(q1) W G(q2)', W a metric, stays positive unless such a position lies between: a regular motion that only comes near one does not
+change it. So it also tells a run that has left its branch across a gap finer than its tolerance. It is asked of steps of the implicit
+method, which takes all those near singular positions.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .affine import Array
+from .system import System
+from .trajectory import Trajectory
+
+MOST, AT_ONCE = 100, 64
+"""Equations up to which it is asked, and steps that are compared at once."""
+
+COARSE, FINE = np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 33)
+"""Fractions of a step at which it is looked at, and looked at again: bodies may turn far in a step, not between two of these."""
+
+
+class Passage(NamedTuple):
+    """The time [s] and the items whose equations depend on each other there."""
+
+    t: float
+    items: list[str]
+
+
+def passages(trajectory: Trajectory) -> list[Passage]:
+    """Those of one part, in order of time."""
+    system, linear, states = trajectory.part.system, trajectory.linear, trajectory.states
+    if not 0 < system.m <= MOST or system.joints.linear or linear.softened:
+        return []
+    steps = [(before, after) for before, after in zip(states, states[1:]) if after.method == 0]
+    parts = [steps[k : k + AT_ONCE] for k in range(0, len(steps), AT_ONCE)]
+    turned = [step for part in parts for step, turns in zip(part, _turns(system, linear, part)) if turns]
+    found = (_passage(system, linear, *step) for step in turned)
+    return [passage for passage in found if passage]
+
+
+def _turns(system: System, linear: Any, steps: list[tuple[Any, Any]]) -> Array:
+    """Whether the determinant is negative anywhere along each of these steps."""
+    from .solvers.start import hermite
+
+    slopes = [_slopes(system, linear, q) for q in zip(*(hermite(*step, COARSE)[0] for step in steps))]
+    return np.any([_flips(*pair) for pair in zip(slopes, slopes[1:])], axis=0)
+
+
+def _flips(before: Array, after: Array) -> Array:
+    return np.linalg.slogdet(before @ np.swapaxes(after, -1, -2))[0] < 0.0
+
+
+def _slopes(system: System, linear: Any, q: Any) -> Array:
+    """G [k, m, n] in scaled unknowns at q [k, n]."""
+    q = np.asarray(q)
+    joints = system.joints
+    gradient = np.broadcast_to(joints.at(q).gradient, (len(q), joints.rows.size))
+    dense = np.zeros((len(q), system.m, system.n))
+    dense[:, joints.rows, joints.cols] = gradient
+    return dense * linear.scale[system.n :, None] * linear.scale[: system.n]
+
+
+def _passage(system: System, linear: Any, before: Any, after: Any) -> Passage | None:
+    """Where within a step, and which items; None where the step only turned far."""
+    from .solvers.start import hermite
+
+    slopes = _slopes(system, linear, hermite(before, after, FINE)[0])
+    if not _flips(slopes[:-1], slopes[1:]).any():
+        return None
+    left, sizes, _ = np.linalg.svd(slopes, full_matrices=False)
+    nearest = int(np.argmin(sizes[:, -1]))
+    weights = np.abs(left[nearest, :, -1])
+    rows = np.flatnonzero(weights > 0.2 * weights.max())
+    items = list(dict.fromkeys(system.label(int(row)) for row in rows))
+    return Passage(before.t + float(FINE[nearest]) * (after.t - before.t), [item for item in items if item not in system.internal] or items)
