@@ -17,6 +17,8 @@ import mbd
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 PAGES = sorted(path for path in DOCS.rglob("*.md") if "generated" not in path.parts)
+FILE = re.compile(r"^```toml\n# (\S+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+"""A block that is a file, with its name in the first line."""
 BLOCK = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
 WITH_CODE = [path for path in PAGES if BLOCK.search(path.read_text(encoding="utf-8"))]
 LINK = re.compile(r"\]\(([^)\s]+)\)")
@@ -38,11 +40,13 @@ def code(path: Path) -> str:
 
 @pytest.mark.parametrize("path", WITH_CODE, ids=name)
 def test_blocks_run(path, tmp_path, monkeypatch):
-    """All blocks of a page in one namespace, in a folder of their own; what they claim they assert."""
+    """All blocks of a page in one namespace, in a folder of their own with the page's files; what they claim they assert."""
     source = code(path)
     for module in re.findall(r"^import (exudyn|matplotlib)", source, re.MULTILINE):
         pytest.importorskip(module)
     monkeypatch.chdir(tmp_path)
+    for file, text in FILE.findall(path.read_text(encoding="utf-8")):
+        (tmp_path / file).write_text(text, encoding="utf-8")
     with warnings.catch_warnings():
         warnings.simplefilter("error", mbd.SceneWarning)
         exec(compile(source, path, "exec"), {"__name__": "page"})
