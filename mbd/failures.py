@@ -13,6 +13,9 @@ from .system import System
 NEARLY = 1e-3
 """Singular values of the scaled G below this share of the largest are those of a position that explains why steps fail."""
 
+UNEVEN = 1e13
+"""The ratio of masses from which on a failure is laid to it."""
+
 LARGEST = 2000
 """Unknowns up to which the equations that lose their rank are looked for."""
 
@@ -23,7 +26,11 @@ STEPS = ("a smaller rtol, or mbd.Radau(stages=3), whose steps are shorter", "a s
 def stopped(system: System, linear: Any, method: Any, record: Any) -> SimulationError:
     """What stopped a run after the last state of its record."""
     kind = next((found for sign, found in _KINDS if sign in record.failure), _inexact)
-    if kind is not _left and _nearly_singular(system, linear, record.states[-1].q):
+    if record.late:
+        kind = _late
+    elif kind is not _left and uneven(system):
+        kind = _uneven
+    elif kind is not _left and _nearly_singular(system, linear, record.states[-1].q):
         kind = _singular
     item, what, advice = kind(system, linear, record, STEPS[method.fixed is not None])
     return SimulationError(what, time=record.states[-1].t, item=item, advice=advice)
@@ -36,6 +43,23 @@ def _left(system: System, linear: Any, record: Any, steps: str) -> Found:
     item = next(label for label, _ in system.joints.labels if f"{label!r} leaves" in record.failure)
     what = f"there is nothing left to slide on: {record.failure}"
     return item, what, ("end the run before by a terminal mbd.Event", "hold the point by a mbd.Stop at the ends", "make the cable longer")
+
+
+def _late(system: System, linear: Any, record: Any, steps: str) -> Found:
+    t = record.states[-1].t
+    tick = np.spacing(abs(t))
+    what = f"steps became as short as the clock can tell: numbers near t = {t:.3g} s are {tick:.3g} s apart ({record.failure})"
+    zero = "start at t = 0: take the time of the start from that of functions of t, and from t_end"
+    return fastest(system, record.states[-1]), what, (zero, "count t in a longer unit, and all that has seconds in it", "a larger rtol: longer steps")
+
+
+def _uneven(system: System, linear: Any, record: Any, steps: str) -> Found:
+    light, heavy, ratio = uneven(system)  # type: ignore[misc]
+    state = record.states[-1]
+    item = system.label(record.worst) if record.worst >= 0 else weakest(system, linear, state.q) or fastest(system, state)
+    what = f"steps became too short between masses too far apart: {heavy!r} has {ratio:.1g} times the mass of {light!r} ({record.failure})"
+    give = f"give {light!r} no mass, if joints hold it, or hold {heavy!r} by the ground, if it does not move"
+    return item, what, (give, "check units of mass, density and area: print(mbd.check(scene))", steps)
 
 
 def _singular(system: System, linear: Any, record: Any, steps: str) -> Found:
@@ -61,6 +85,16 @@ def _inexact(system: System, linear: Any, record: Any, steps: str) -> Found:
 
 _KINDS = ((" leaves ", _left), ("singular equations", _singular), ("Newton's iteration", _newton))
 """Told by words of the solvers' own reasons."""
+
+
+def uneven(system: System) -> tuple[str, str, float] | None:
+    """The lightest and the heaviest item that have mass and their ratio, where rounding of the heavier is more than the lighter."""
+    places = (system.mass_rows == system.mass_cols) & (system.levers[system.mass_rows] == 1.0)
+    rows, masses = system.mass_rows[places], system.mass_values[places]
+    if not masses.size or masses.max() < UNEVEN * masses.min():
+        return None
+    light, heavy = (system.owners[rows[k]][0] for k in (int(np.argmin(masses)), int(np.argmax(masses))))
+    return light, heavy, float(masses.max() / masses.min())
 
 
 def _nearly_singular(system: System, linear: Any, q: Array) -> bool:

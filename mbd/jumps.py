@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .affine import Array
-from .signal import Signal
+from .signal import BESIDE as BESIDE_JUMP
+from .signal import Signal, same
 
 SAMPLES = 2048
 
@@ -97,6 +98,30 @@ def _around(x: Array) -> Array:
     """[k, ..., 2 BESIDE + 1] each of the entries of x [k, ...] with its neighbours, mirrored at both ends."""
     wide = np.pad(x, ((BESIDE, BESIDE), *((0, 0),) * (x.ndim - 1)), mode="reflect")
     return np.lib.stride_tricks.sliding_window_view(wide, 2 * BESIDE + 1, axis=0)
+
+
+def lost(system: Any, start: float, end: float) -> list[str]:
+    """Complaints about declared pulses within a run that are too short for its clock: steps take both ends of such a one for the same time."""
+    found = []
+    for signal in (signal for kernel in system.loads for signal in kernel.signals):
+        declared = signal.discontinuities
+        for a, b in zip(declared, declared[1:]):
+            if start <= a < end and same(b, a) and _sticks_out(signal, a, b):
+                found.append(
+                    f"{signal.item!r}: expected times of jumps that differ by more than rounding, found a pulse of {b - a:.3g} s at t = {a:.9g} s, "
+                    f"where the clock tells {np.spacing(a):.3g} s; give it as velocities at a start= there, or make it longer and weaker"
+                )
+    return found
+
+
+def _sticks_out(signal: Signal, a: float, b: float) -> bool:
+    """Whether a function is elsewhere between two times than on the way from before to behind them."""
+    far = 2.0 * BESIDE_JUMP * np.spacing(max(abs(a), abs(b)))
+    try:
+        before, within, behind = (np.asarray(signal.function(float(t)), dtype=float) for t in (a - far, 0.5 * (a + b), b + far))  # type: ignore[misc]
+    except Exception:  # as above
+        return False
+    return bool(np.linalg.norm(within - before) > 2.0 * np.linalg.norm(behind - before) + 1e-9 * np.linalg.norm(before))
 
 
 def followed(signal: Signal, a: float, b: float) -> Iterator[float]:

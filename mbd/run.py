@@ -20,8 +20,10 @@ from .leg import Aim, Leg
 from .parts import Part
 from .progress import Plan
 from .result import Result
+from .signal import discontinuities
 from .starts import starts, together
 from .state import State
+from .system import System
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -65,6 +67,7 @@ def simulate(
     kept = Checkpoint(scene, checkpoint, every) if checkpoint is not None else None
     parts = [Part.whole(scene)] if plan.events else scene.parts()
     begin = starts(parts, plan.start)
+    _refuse_lost_pulses(system, plan)
     assembly = together(begin, parts, system.n)
     announce(assembly)
     legs = [_leg(part, each, solver, plan) for part, each in zip(parts, begin)]
@@ -97,6 +100,15 @@ def checked_times(t_end: float, rtol: float, t_eval: ArrayLike | None, t_start: 
     if found:
         raise SceneError(found)
     return times
+
+
+def _refuse_lost_pulses(system: System, plan: Plan) -> None:
+    """Raises SceneError for declared pulses that no step can see."""
+    if discontinuities(system).size > 1:
+        from .jumps import lost
+
+        if found := lost(system, plan.start.t, plan.t_end):
+            raise SceneError(found)
 
 
 def _leg(part: Part, start: Assembly, solver: Any, plan: Plan) -> Leg:

@@ -76,7 +76,7 @@ class Signal:
         """The times [...] at which the function is called for times: at a discontinuity, to the right of it."""
         if not self.discontinuities.size:
             return times
-        at = np.any(_same(times[..., None], self.discontinuities), axis=-1)
+        at = np.any(same(times[..., None], self.discontinuities), axis=-1)
         return np.where(at, times + BESIDE * np.spacing(np.abs(times)), times)
 
     def _call(self, t: float) -> Array:
@@ -86,7 +86,8 @@ class Signal:
         return called(self.function, t, fits=lambda _, value: value.shape == self.shape, expected=wanted, what=what, item=self.item, time=t)
 
 
-def _same(times: Array, jumps: Array) -> Any:
+def same(times: Any, jumps: Any) -> Any:
+    """Whether times are those of jumps, but for rounding."""
     return np.abs(times - jumps) <= SAME * np.spacing(np.abs(jumps))
 
 
@@ -101,7 +102,7 @@ def stops(jumps: Array, start: float, end: float) -> list[float]:
     """Those between start and end, each once: times apart by rounding only are one."""
     found: list[float] = []
     for t in jumps.tolist():
-        if start < t < end and not _same(np.array([start, end, *found[-1:]]), np.array(t)).any():
+        if start < t < end and not same(np.array([start, end, *found[-1:]]), np.array(t)).any():
             found.append(t)
     return found
 

@@ -24,12 +24,14 @@ class Counts(NamedTuple):
 
 @dataclass
 class Record:
-    """Accepted states of a run and what it cost; where it failed, why, and the equation most to blame (-1: none)."""
+    """Accepted states of a run and what it cost; where it failed, why, the equation most to blame (-1: none), and whether
+    steps were as short as the clock can tell."""
 
     states: list[State]
     counts: Counts = field(default_factory=Counts)
     failure: str = ""
     worst: int = -1
+    late: bool = False
 
     def accept(self, state: State, error: float) -> None:
         self.counts = self.counts._replace(steps=self.counts.steps + 1, error=self.counts.error + error)
@@ -94,4 +96,5 @@ def _accepted(
         pace.refused(h, attempt)
         if pace.exhausted(state.t):
             record.failure, record.worst = attempt.failure or "the estimated error stays above the tolerance", attempt.worst
+            record.late = pace.late(state.t)
             return None

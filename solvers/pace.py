@@ -20,6 +20,13 @@ BELOW_FAILURE, RELAX = 0.7, 1.1
 """After a failed iteration steps stay below this share of the failed one; the limit relaxes by this factor with each easy step."""
 
 
+SHORTEST_TICKS = 4.0
+"""The shortest step, in units of rounding of the time."""
+
+COARSE = 1e-6
+"""Of a run, as a share, the shortest step that the clock allows where it is to blame for a failure."""
+
+
 class Rhythm(NamedTuple):
     """What the next steps depend on: where the run began (of fixed steps: their grid), the length planned, the limit after a failure, and
     length and error of the last step, where they say something."""
@@ -83,9 +90,13 @@ class Pace:
         else:
             self.h = h * max(SHRINK, SAFETY * attempt.error ** (-1.0 / attempt.order))
 
+    def late(self, t: float) -> bool:
+        """Whether the clock, which rounds t, is what keeps steps from becoming shorter, long before they are short for the run."""
+        return SHORTEST_TICKS * float(np.spacing(max(abs(t), abs(self.t_end)))) > COARSE * (self.t_end - self.start)
+
     def exhausted(self, t: float) -> bool:
         """Whether the step is too short to go on."""
-        return self.h < 1e-12 * (self.t_end - self.start) or self.h < 4.0 * np.spacing(max(abs(t), abs(self.t_end)))
+        return self.h < 1e-12 * (self.t_end - self.start) or self.h < SHORTEST_TICKS * np.spacing(max(abs(t), abs(self.t_end)))
 
     def _growth(self, h: float, attempt: Attempt) -> float:
         """The factor by the error, its trend (Gustafsson 1994, ACM Trans. Math. Softw. 20), and the contraction."""
