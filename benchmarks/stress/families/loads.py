@@ -177,7 +177,7 @@ FAMILIES = (
            quick=(0.5, 2.0), wanted=(0.1, 0.5, 0.9, 1.1, 2.0, 4.0, 10.0, 20.0)),
     Family("wrinkling", "load over Euler's, far beyond buckling", "audit", (2.0, *powers(1, 5)), 2.0, 1e-2, wrinkles, wanted=(2.0, *powers(1, 3))),
     Family("pulse", "width [s] of a declared impulse of 1 N s", "momentum", powers(-15, -1, 2), 0.1, 1e-3, pulse, quick=(0.1, 1e-9),
-           wanted=powers(-9, -1, 2)),
+           wanted=powers(-13, -1, 2)),
     Family("pulse on a beam", "width [s] of a declared impulse", "momentum", powers(-11, -1, 2), 0.1, 1e-3, blow_to_beam, quick=(1e-3,),
            wanted=powers(-9, -1, 2)),
     Family("jump, undeclared", "force [N] that a plain function switches on", "momentum", powers(-3, 12), 1.0, 1e-3, undeclared_jump, quick=(1.0,),
