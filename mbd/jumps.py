@@ -118,22 +118,24 @@ def _sticks_out(signal: Signal, a: float, b: float) -> bool:
     """Whether a function is elsewhere between two times than on the way from before to behind them."""
     far = 2.0 * BESIDE_JUMP * np.spacing(max(abs(a), abs(b)))
     try:
-        before, within, behind = (np.asarray(signal.function(float(t)), dtype=float) for t in (a - far, 0.5 * (a + b), b + far))  # type: ignore[misc]
+        before, within, behind = (_value(signal, float(t)) for t in (a - far, 0.5 * (a + b), b + far))
     except Exception:  # as above
         return False
     return bool(np.linalg.norm(within - before) > 2.0 * np.linalg.norm(behind - before) + 1e-9 * np.linalg.norm(before))
 
 
+def _value(signal: Signal, t: float) -> Array:
+    assert signal.function is not None
+    return np.asarray(signal.function(t), dtype=float)
+
+
 def followed(signal: Signal, a: float, b: float) -> Iterator[float]:
     """The first time with the new value, of one jump between a and b; none where the change turns out to be none."""
-
-    def ask(t: float) -> Array:
-        return np.asarray(signal.function(t), dtype=float)  # type: ignore[misc]
-
-    a, b, before, after, halvings = float(a), float(b), ask(float(a)), ask(float(b)), 0
+    a, b, halvings = float(a), float(b), 0
+    before, after = _value(signal, a), _value(signal, b)
     whole = float(np.linalg.norm(after - before))
     while a < (middle := 0.5 * (a + b)) < b:
-        value = ask(middle)
+        value = _value(signal, middle)
         left, right = float(np.linalg.norm(value - before)), float(np.linalg.norm(after - value))
         a, b, before, after = (a, middle, before, value) if left >= right else (middle, b, value, after)
         halvings += 1

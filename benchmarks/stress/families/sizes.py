@@ -77,7 +77,7 @@ FAMILIES = (
     Family("links", "of a chain of rods", "rod, free fall of a long chain's end", (1.0, 10.0, 100.0, 1000.0, 10000.0), 10.0, 1e-3, links,
            quick=(1.0, 100.0), wanted=(1.0, 10.0, 100.0, 1000.0, 10000.0)),
     Family("bodies apart", "pendulums in one scene", "elliptic functions", (1.0, 10.0, 100.0, 1000.0, 10000.0), 10.0, 1e-3, apart, quick=(100.0,),
-           wanted=(1.0, 10.0, 100.0, 1000.0, 10000.0)),
+           wanted=(1.0, 10.0, 100.0, 1000.0, 10000.0), patience=120.0),
     Family("chain dropped", "links of 0.1 m, held at one end, 1 s", "energy and joints", (1.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 10000.0), 10.0, 1e-3,
            dropped, quick=(10.0,), wanted=(1.0, 10.0, 30.0, 100.0, 300.0, 1000.0), patience=120.0),
 )  # fmt: skip
