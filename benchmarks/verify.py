@@ -126,16 +126,26 @@ def page(entries: dict[str, list[Entry]], where: str) -> str:
         "Written by `python -m benchmarks.verify`. True errors are those of the result, against closed forms or against runs far tighter by another "
         "method (Radau IIA, 7 stages, at rtol 1e-12, of beams 1e-10); `!` marks a bar that is not met.",
         f"Worst true error over worst estimate: bars {LEAST:g} and {MOST:g}; found {min(shares):.3g} to {max(shares):.3g} in {len(shares)} "
-        f"estimates of {len(entries.keys() & BY_NAME.keys())} cases. Anywhere: the largest ratio of a true error to the estimate at that very time; bar {MOST:g}. "
+        f"estimates of {len(entries.keys() & BY_NAME.keys())} cases. Anywhere: the largest ratio of a true error to the estimate at that very "
+        f"time; bar {MOST:g}. "
         f"Price: processor time over that of one run at the rtol or step asked for, the fastest of at least {REPEATED[0]} of each in turn; "
         f"bar {PRICE:g}; found {min(prices):.2f} to {max(prices):.2f}.",
-        "Empty: below what is known of the reference.",
+        "Empty: below what is known of the reference." + _exceptions(entries),
         table(["case", "setting", "output", "worst estimate", "true / estimate", "anywhere", "order", "price", "verdict"],
               [[name, *_cells(row)] for name in BY_NAME for row in entries.get(name, [])]),
         *(verify_meshes.section(entries[MESHES], LEAST, MOST) if MESHES in entries else []),
         f"Measured on: {where}",
     ]  # fmt: skip
     return "\n\n".join(parts) + "\n"
+
+
+def _exceptions(entries: dict[str, list[Entry]]) -> str:
+    """Where no error is quoted, and where the price is not kept."""
+    rows = [(f"{name} at {row['setting']}", row) for name in BY_NAME for row in entries.get(name, [])]
+    refused = dict.fromkeys(place for place, row in rows if row["verdict"] != "ok")
+    dear = dict.fromkeys(place for place, row in rows if row["price"] > PRICE)
+    told = {"Refused": refused, "Dearer than promised": dear}
+    return "".join(f" {what}: {', '.join(places)}." for what, places in told.items() if places)
 
 
 def _cells(row: Entry) -> list[str]:

@@ -3,7 +3,8 @@
 Adaptive solvers take the tolerances 1000 rtol, rtol and rtol/10, so far apart that errors follow them in spite of their irregularities. The first
 is cheap. It is not looser than LOOSEST, above which other things than the tolerance limit steps, and left out where that is too near. The last is
 taken less tight where work grows so fast that all three would cost more than SPENT times the one in the middle, and by the same method. Solvers
-with fixed steps take 2 h, h and h/2, which would cost 3.5 times the one in the middle before anything is compared: 2 h goes only as far as is paid for.
+with fixed steps take 2 h, h and h/2, which would cost 3.5 times the one in the middle before anything is compared:
+2 h goes only as far as is paid for.
 
 Values between steps cost as much as steps: runs are compared at steps of the finest one, as many as can be afforded, the coarsest at some of them.
 """
