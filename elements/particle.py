@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Particle:
-    """A point of mass [kg] at position [d] [m] with velocity [d] [m/s]. Marker: ``at()``."""
+    """A point of mass [kg] at position [d] [m] with velocity [d] [m/s]. Marker: ``at()``. Without mass joints must tell where it is."""
 
     mass: Number = field()
     position: Vector = field()
@@ -33,7 +33,7 @@ class Particle:
             object.__setattr__(self, name, validate.floats(getattr(self, name)))
 
     def faults(self, dimension: int) -> list[str]:
-        found = validate.number("mass", self.mass, positive=True) + validate.vector("position", self.position, dimension)
+        found = validate.number("mass", self.mass, negative_allowed=False) + validate.vector("position", self.position, dimension)
         return found + (validate.vector("velocity", self.velocity, dimension) if self.velocity is not None else [])
 
     def place(self, site: Site) -> PlacedParticle:

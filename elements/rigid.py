@@ -41,6 +41,7 @@ class RigidBody:
     velocity           [d] of the mass centre [m/s]
     angular_velocity   a number (planar), inertial components [3] (spatial) [rad/s]
 
+    Mass and inertia may be zero where joints, with what else has mass, determine the motion.
     Marker: ``at(x, y[, z])``, metres in body axes from the mass centre. ``length`` is that of ``RigidBody.rod``, otherwise None.
     """
 
@@ -90,7 +91,7 @@ class RigidBody:
         return cls(mass=mass, inertia=inertia, position=position, **motion)
 
     def faults(self, dimension: int) -> list[str]:
-        found = validate.number("mass", self.mass, positive=True) + validate.vector("position", self.position, dimension)
+        found = validate.number("mass", self.mass, negative_allowed=False) + validate.vector("position", self.position, dimension)
         if np.shape(self.position) == (5 - dimension,):
             return found  # planar in a spatial scene or the other way round: all the rest would be wrong too
         if self.velocity is not None:
@@ -100,7 +101,7 @@ class RigidBody:
         return found + (self._faulty_planar() if dimension == 2 else self._faulty_spatial())
 
     def _faulty_planar(self) -> list[str]:
-        found = validate.number("inertia", self.inertia, positive=True)
+        found = validate.number("inertia", self.inertia, negative_allowed=False)
         if self.rotation is not None:
             found.append("rotation: expected angle= in a planar scene, found a matrix; give the angle [rad]")
         for name in ("angle", "angular_velocity"):
@@ -125,7 +126,7 @@ class RigidBody:
         if j.shape == (3, 3) and not np.allclose(j, j.T, rtol=1e-9, atol=0):
             return [*found, f"inertia: expected a symmetric matrix, found {validate.show(j)}; mirror its products"]
         moments = np.linalg.eigvalsh(j) if j.ndim == 2 else np.sort(j)
-        if moments[-1] <= 0 or moments[0] < -1e-12 * moments[-1] or moments[0] + moments[1] < moments[2] * (1 - 1e-9):
+        if moments[-1] < 0 or moments[0] < -1e-12 * moments[-1] or moments[0] + moments[1] < moments[2] * (1 - 1e-9):
             found.append(
                 f"inertia: expected principal moments that obey the triangle inequality (the largest at most the sum of the others), "
                 f"found {validate.show(moments)}; no body has these moments: check units and the reference point"
@@ -157,12 +158,19 @@ class RigidBody:
 
     def place(self, site: Site) -> Body:
         axes, mass = self.directors(), self.director_mass()
-        gyration = np.sqrt(np.maximum(np.diag(mass), 0.0) / float(self.mass))
-        levers = np.concatenate(([1.0], np.where(gyration > 0.1 * gyration.max(), gyration, gyration.max())))
+        levers = np.concatenate(([1.0], self._arms(mass)))
         velocity = np.zeros_like(self.position) if self.velocity is None else self.velocity
         labels = ["mass centre", *(f"axis {k + 1}" for k in range(len(axes)))]
         rows = site.rows(np.vstack((self.position, axes)), np.vstack((velocity, self.director_rates())), levers, labels)
         return Body(self, site, rows)
+
+
+    def _arms(self, mass: Array) -> Array:
+        """[n_axes] the lever of each axis: its radius of gyration, or that of a rod; NaN, the scene's length, where mass or inertia is zero."""
+        if float(self.mass) > 0.0 and mass.any():
+            gyration = np.sqrt(np.maximum(np.diag(mass), 0.0) / float(self.mass))
+            return np.where(gyration > 0.1 * gyration.max(), gyration, gyration.max())
+        return np.full(len(mass), np.nan if self.length is None else self.length / np.sqrt(12.0))
 
 
 class Body:
@@ -200,7 +208,7 @@ class Body:
 def _mass(value: Any) -> float:
     """The mass for computing moments; 1 for a wrong one, which is complained of as a mass."""
     mass = validate.floats(value)
-    return 1.0 if validate.number("mass", mass, positive=True) else float(mass)
+    return 1.0 if validate.number("mass", mass, negative_allowed=False) else float(mass)
 
 
 def _frame_along(axis: Array) -> Array:

@@ -102,4 +102,5 @@ def _stats(legs: Sequence[Leg]) -> dict[str, Any]:
     sums = {name: sum(stats[name] for stats in each) for name in COUNTS}
     parts = [{"items": list(leg.part.items)} | stats for leg, stats in zip(legs, each)]
     worst = {"coarseness": max(stats["coarseness"] for stats in each)}
-    return said | {"rtol": each[0]["rtol"]} | sums | worst | {"parts": parts}
+    leapt = {"leapt over": [name for stats in each for name in stats["leapt over"]]}
+    return said | {"rtol": each[0]["rtol"]} | sums | worst | leapt | {"parts": parts}

@@ -14,7 +14,7 @@ class Layout:
     """q = all rows of the table one after the other, then the scalar coordinates from the end of q backwards.
 
     The lever of a row is the length [m] by which a change of its (dimensionless) vector moves material; 1 for positions. It makes
-    errors of positions, slopes and directors comparable.
+    errors of positions, slopes and directors comparable. NaN stands for the length of the scene.
     """
 
     def __init__(self, dimension: int):
@@ -58,9 +58,10 @@ class Layout:
             self._assemble(self._v, [rate for _, rate, *_ in self._scalars]),
         )
 
-    def levers(self) -> Array:
-        """[n]; scalar coordinates follow others through equations of their own and weigh nothing (0)."""
-        return self._assemble([np.repeat(lever, self.dimension) for lever in self._levers], [0.0] * len(self._scalars))
+    def levers(self, unknown: float) -> Array:
+        """[n], with ``unknown`` for NaN; scalar coordinates follow others through equations of their own and weigh nothing (0)."""
+        known = [np.where(np.isnan(lever), unknown, lever) for lever in self._levers]
+        return self._assemble([np.repeat(lever, self.dimension) for lever in known], [0.0] * len(self._scalars))
 
     def lengths(self) -> NDArray[np.bool_]:
         """[n]: which scalar coordinates are lengths."""

@@ -53,8 +53,9 @@ class Leg:
         self.part, self.linear, self.solver, self.reason, self._aim = part, linear, solver, reason, aim
         system, rtol = part.system, aim.rtol
         self._jumps, self._spent = discontinuities(system), linear.factorizations
+        self._restless: dict[str, int] = {}
         method = solver.integrator(rtol)
-        self.method: Any = OneSided(method, self._jumps) if self._jumps.size else method
+        self.method: Any = method if system.steady and not self._jumps.size else OneSided(method, self._jumps)
         self._tolerance = rtol * system.length
         self._record = Record(states)
         self.watch = Watch(dict(aim.events), system, linear, self.method, self._tolerance) if aim.events else None
@@ -91,6 +92,8 @@ class Leg:
         from .solvers.march import march
 
         system, method = self.part.system, self.method
+        if not system.steady:
+            self._look_for_jumps()
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # a diverging iteration is detected and rejected
             state, pace = self._begun()
         way = march(system, self.linear, method, self._record, state, pace, self._tolerance, note=self._work, watch=self._look)
@@ -102,6 +105,14 @@ class Leg:
             self._mark = self._marked(state, pace)
             self.fork = self._mark if pace.free else self.fork
             yield state
+
+    def _look_for_jumps(self) -> None:
+        """Those that nobody declared: part of the run, so that it can be interrupted there."""
+        from .jumps import look
+
+        found = look(self.part.system, self._record.states[0].t, self._aim.t_end)
+        self._restless, self._jumps = found.restless, np.union1d(self._jumps, found.times)
+        self.method.jumps = self._work.jumps = self._jumps
 
     def _begun(self) -> tuple[Any, Any]:
         """The state to step from, and the pace."""
@@ -169,5 +180,6 @@ class Leg:
             "factorizations": self.linear.factorizations,
             "wall time": self._seconds,
             "coarseness": self._aim.rtol * counts.error if self.method.fixed is not None else 0.0,
+            "leapt over": [item for item, turns in self._restless.items() if counts.steps < turns],
             "reason": self.reason,
         }

@@ -86,8 +86,8 @@ class Look:
         self.gravity = float(np.linalg.norm(scene.gravity))
         self.metre = next((unit for unit in (1.0, 1e3, 1e2) if EARTH[0] * unit < self.gravity < EARTH[1] * unit or self.gravity == 10.0 * unit), None)
         self.beams = [(name, d) for name, d in self.descriptions if all(hasattr(d, word) for word in ("E", "A", "I", "rho"))]
-        self.bodies = [(name, d) for name, d in self.descriptions if hasattr(d, "mass") and hasattr(d, "inertia")]
-        self.masses = {name: float(d.mass) for name, d in self.descriptions if hasattr(d, "mass")}
+        self.bodies = [(name, d) for name, d in self.descriptions if hasattr(d, "mass") and hasattr(d, "inertia") and d.mass > 0.0]
+        self.masses = {name: float(d.mass) for name, d in self.descriptions if hasattr(d, "mass") and d.mass > 0.0}
         self.masses |= {name: float(d.rho * d.A) * self.length(name) for name, d in self.beams}
         self.extent = self._extent()
 
@@ -119,7 +119,7 @@ def gyration(body: Any) -> float:
     """The radius of gyration [m]."""
     inertia = np.asarray(body.inertia)
     moment = float(inertia if inertia.ndim == 0 else np.max(inertia) if inertia.ndim == 1 else np.linalg.eigvalsh(inertia)[-1])
-    return float(np.sqrt(moment / float(body.mass)))
+    return float(np.sqrt(moment / float(body.mass))) if body.mass > 0.0 else 0.0
 
 
 def sections(look: Look) -> Iterator[Hint]:
@@ -183,7 +183,8 @@ def _sound(look: Look, name: str, d: Any) -> Hint | None:
 
 def inertias(look: Look) -> Iterator[Hint]:
     for name, d in look.bodies:
-        radius = gyration(d)
+        if not (radius := gyration(d)):
+            continue
         density = float(d.mass) / radius**3
         if look.extent and radius > GYRATION * look.extent:
             found = f"a radius of gyration sqrt(inertia / mass) = {radius:.3g} in a scene of size {look.extent:.3g}"

@@ -28,7 +28,7 @@ class Model:
     def __init__(self, layout: Layout, gravity: Array, length: float):
         self.dimension, self.n_rows, self.n = layout.dimension, layout.n_rows, layout.n
         self.q0, self.v0 = layout.start()
-        self.levers, self.lengths, self.arm, self.owners = layout.levers(), layout.lengths(), layout.smallest_arm(), layout.owners()
+        self.levers, self.lengths, self.arm, self.owners = layout.levers(length), layout.lengths(), layout.smallest_arm(), layout.owners()
         self.gravity, self.length = gravity, length
         self.masses: list[tuple[NDArray[np.intp], Array]] = []
         self.weights = np.zeros((layout.n_rows, layout.dimension))

@@ -115,6 +115,7 @@ def warn(result: Result) -> None:
     """What the user should know of a run that ended well."""
     _warn_of_imbalance(result)
     _warn_of_coarse_steps(result)
+    _warn_of_leaps(result)
     _warn_of_passages(result)
     _warn_of_doubts(result)
 
@@ -145,6 +146,17 @@ def _warn_of_coarse_steps(result: Result) -> None:
         warnings.warn(
             f"the fixed steps are too long: errors estimated in them add up to {worst:.2g} of the scene's length: "
             "do not trust this run; take shorter steps or a solver with error control",
+            SceneWarning,
+            stacklevel=4,
+        )
+
+
+def _warn_of_leaps(result: Result) -> None:
+    """Steps see a function of time where they call it; between that it may do anything."""
+    if names := result.stats["leapt over"]:
+        warnings.warn(
+            f"the functions of t of {', '.join(map(repr, names))} turn round more often than the run has steps: these may have leapt over what they "
+            "do. If it matters, do not trust this run: run shorter spans, or lower rtol, and compare",
             SceneWarning,
             stacklevel=4,
         )

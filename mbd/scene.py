@@ -252,7 +252,7 @@ def _extent(layout: Layout, items: list[Any]) -> float:
     """The scene's length [m]: the diagonal of the box around all positions and attachment points, at least the largest lever."""
     q, _ = layout.start()
     table = q[: layout.dimension * layout.n_rows].reshape(-1, layout.dimension)
-    levers = layout.levers()[: table.size].reshape(-1, layout.dimension)[:, 0]
+    levers = layout.levers(0.0)[: table.size].reshape(-1, layout.dimension)[:, 0]
     placed = layout.positions()
     positions = list(table[placed])
     for item in items:

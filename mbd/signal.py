@@ -1,8 +1,8 @@
 """Numbers that a user gives as constants or as functions of time, sampled with checks that name the item; and the jumps of the latter.
 
 A function of time may say where it or a derivative jumps, by an attribute ``discontinuities``: a sequence of times [s]. Any callable may
-have one; ``piecewise`` makes one. Runs land on these times and start there anew. Functions are seen from the right at such a time, so
-accelerations and reactions asked there are those after the jump; but a step that ends there must see them as they were within it:
+have one; ``piecewise`` makes one, and those of loads that nobody declared are looked for (``jumps.py``).
+Runs land on these times and start there anew. Functions are seen from the right at such a time, so accelerations and reactions asked there are those after the jump; but a step that ends there must see them as they were within it:
 ``OneSided`` integrators look a few units of rounding earlier. So it does not matter which of the two values a function has at the
 time itself, nor whether its own arithmetic jumps an ulp beside it.
 """
@@ -119,7 +119,7 @@ class OneSided:
     """An integrator whose steps see functions of time from inside: where one ends at a jump, as they were before it."""
 
     def __init__(self, method: Any, jumps: Array):
-        self.method, self._jumps = method, jumps
+        self.method, self.jumps = method, jumps
 
     @property
     def name(self) -> str:
@@ -130,10 +130,10 @@ class OneSided:
         return self.method.fixed
 
     def step(self, system: Any, linear: Any, state: Any, h: float, tolerance: float) -> Any:
-        return self.method.step(from_inside(system, self._jumps, state.t, state.t + h), linear, state, h, tolerance)
+        return self.method.step(from_inside(system, self.jumps, state.t, state.t + h), linear, state, h, tolerance)
 
     def inside(self, system: Any, linear: Any, before: Any, after: Any, t: Array) -> tuple[Array, Array]:
-        return self.method.inside(from_inside(system, self._jumps, before.t, after.t), linear, before, after, t)
+        return self.method.inside(from_inside(system, self.jumps, before.t, after.t), linear, before, after, t)
 
     def kept(self, memory: Any) -> Any:
         return self.method.kept(memory)

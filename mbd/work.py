@@ -39,7 +39,7 @@ class Work:
     ``before`` is the work [k + 1] of steps done before, without those that wait."""
 
     def __init__(self, system: System, jumps: Array, before: Array | None = None, waiting: tuple[Nodes, ...] = ()):
-        self._system, self._jumps = system, jumps
+        self._system, self.jumps = system, jumps
         self._before = np.zeros(1) if before is None else before
         self._new: list[Array] = []
         self._done, self._waiting = len(self._before) - 1, waiting
@@ -51,7 +51,7 @@ class Work:
         if not self._system.exchanges:
             self._keep(1, np.zeros(1))
         elif not self._system.steady or self._system.driven:  # users' functions are called as time goes on, and from inside of the step
-            self._keep(1, self._evaluated((nodes,), from_inside(self._system, self._jumps, nodes.t[0], nodes.t[-1])))
+            self._keep(1, self._evaluated((nodes,), from_inside(self._system, self.jumps, nodes.t[0], nodes.t[-1])))
         else:
             self._waiting, self._size = (*self._waiting, nodes), self._size + nodes.q.size
             if self._size > BATCH:

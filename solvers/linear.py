@@ -23,6 +23,9 @@ from .system import Array, Index, System
 SINGULAR = 1e-15
 SOFTENING = 1e-7
 
+MASSLESS = 1e-16
+"""Inertia below this share of the typical one is none: scaled by its root, the equations that hold it would look dependent."""
+
 TURN = 0.01
 """The largest angle [rad] that a tolerance may mean for a rigid body."""
 
@@ -81,7 +84,7 @@ class Linear:
         diagonal[system.mass_rows[own]] = system.mass_values[own]
         levers = np.where(system.levers > 0.0, system.levers, np.where(system.lengths, 1.0, system.length))
         typical = diagonal.sum() / np.sum(levers[diagonal > 0.0] ** 2) if diagonal.any() else 1.0
-        coordinates = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, typical * levers**2))
+        coordinates = 1.0 / np.sqrt(np.where(diagonal > MASSLESS * typical * levers**2, diagonal, typical * levers**2))
         gradient = system.joints.at(q).gradient
         size = np.bincount(system.joints.rows, (gradient * coordinates[system.joints.cols]) ** 2, minlength=system.m)
         equations = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))

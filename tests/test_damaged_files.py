@@ -172,7 +172,7 @@ EDITS: dict[str, tuple[Edit, str]] = {
     "other coordinates": (lambda arrays, head: head.update(coordinates=["x"]), "coordinates"),
     "strange kind": (lambda arrays, head: head["items"][0].update({"class": "System"}), "expected kinds among"),
     "strange field": (lambda arrays, head: head["items"][0]["fields"].update(colour=1), "damaged"),
-    "bad number": (lambda arrays, head: head["items"][0]["fields"].update(mass=-1.0), "mass: expected a positive number"),
+    "bad number": (lambda arrays, head: head["items"][0]["fields"].update(mass=-1.0), "mass: expected a number not below zero"),
     "more items": (lambda arrays, head: head["items"].append(particle("b")), "found more at 'b'"),
     "huge count": (lambda arrays, head: head["items"].append(cable(10**12)), "counts"),
     "marker elsewhere": (lambda arrays, head: head["items"][1]["fields"]["a"].update(at=[0.5]), "at: expected 2 numbers"),

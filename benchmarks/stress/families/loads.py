@@ -183,5 +183,6 @@ FAMILIES = (
     Family("jump, undeclared", "force [N] that a plain function switches on", "momentum", powers(-3, 12), 1.0, 1e-3, undeclared_jump, quick=(1.0,),
            wanted=powers(-3, 6)),
     Family("pulse, undeclared", "width [s] of an impulse in a plain function", "momentum", powers(-6, -1), 0.1, 1e-3, undeclared_pulse,
-           note="what a function does between two evaluations nobody can see: declare it with mbd.piecewise"),
+           quick=(1e-3,), wanted=powers(-3, -1),
+           note="a run looks for jumps at 2048 times; pulses that are shorter than these are apart nobody can see: declare them with mbd.piecewise"),
 )  # fmt: skip

@@ -165,5 +165,5 @@ FAMILIES = (
            quick=(0.0, 1e-14, 1e-4), note="a conflict that shows must be refused"),
     Family("massless body", "mass [kg] of a coupler between links of 1 kg", "elliptic functions", (0.0, 1e-300, 1e-100, 1e-30, 1e-16, 1e-8,
            1.0), 1.0, 1e-3,
-           massless, quick=(1e-30, 1.0)),
+           massless, quick=(0.0, 1e-30), wanted=(0.0, 1e-300, 1e-100, 1e-30, 1e-16, 1e-8, 1.0)),
 )  # fmt: skip
