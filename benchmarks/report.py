@@ -14,6 +14,8 @@ from typing import Any
 
 import numpy as np
 
+import mbd
+
 from . import tables
 from .fits import marked
 from .fronts import ERRORS, Front
@@ -29,8 +31,7 @@ COMMAND = 'python -m pip install ".[bench]" && python -m benchmarks'
 
 def machine() -> str:
     """One line: processor, cores, load, versions, date."""
-    names = ("mbd", "exudyn", "numpy", "scipy")
-    versions = ", ".join(f"{name} {_version(name)}" for name in names)
+    versions = ", ".join([f"mbd {mbd.__version__}", *(f"{name} {_version(name)}" for name in ("exudyn", "numpy", "scipy"))])
     load = f"load {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "load unknown"
     return f"{_processor()}, {os.cpu_count()} cores, {load} at the start; Python {platform.python_version()}, {versions}; {datetime.date.today()}"
 

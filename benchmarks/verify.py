@@ -20,9 +20,9 @@ import mbd
 from mbd.verification.outputs import Output, outputs_of
 from mbd.verification.runs import sampled
 
-from . import report
+from . import report, verify_meshes
 from .tables import table
-from .verify_cases import BY_NAME, CASES, Case
+from .verify_cases import BY_NAME, Case
 
 OUT = Path(__file__).parent.parent / "docs"
 MOST, LEAST = 3.0, 0.01
@@ -31,8 +31,12 @@ PRICE = 3.5
 """What ``verify`` may take, in units of one run."""
 TIMES = 60
 """Instants of the result at which true errors are taken."""
-REPEATED, FEW = (2, 6), 1.0
-"""Runs are timed so often at least and at most; more than at least only within so many seconds."""
+REPEATED, FEW = (3, 12), 3.0
+"""Runs are timed in turn, so often at least and at most; more than at least only within so many seconds. The fastest of each counts."""
+
+MESHES = "meshes"
+"""Stands for the table of the errors of meshes."""
+NAMES = (*BY_NAME, MESHES)
 
 Entry = dict[str, Any]
 
@@ -82,7 +86,7 @@ def _rows(case: Case, reference: Reference, rtol: float, solver: Any, priced: bo
     rows = []
     for row in found.rows:
         error = np.linalg.norm(kinds[row.output].values(result) - exact[row.output], axis=1)
-        shares = error / found.errors[row.output][kept]
+        shares = error / np.maximum(found.errors[row.output][kept], 1e-300)
         rows.append({
             "setting": f"rtol {rtol:.0e}" if solver is None else repr(solver), "output": row.output, "unit": row.unit, "verdict": row.verdict,
             "true": float(np.max(error)), "estimate": row.worst, "known": known[row.output], "order": row.order, "anywhere": float(np.max(shares)),
@@ -122,14 +126,26 @@ def page(entries: dict[str, list[Entry]], where: str) -> str:
         "Written by `python -m benchmarks.verify`. True errors are those of the result, against closed forms or against runs far tighter by another "
         "method (Radau IIA, 7 stages, at rtol 1e-12, of beams 1e-10); `!` marks a bar that is not met.",
         f"Worst true error over worst estimate: bars {LEAST:g} and {MOST:g}; found {min(shares):.3g} to {max(shares):.3g} in {len(shares)} "
-        f"estimates of {len(entries)} cases. Anywhere: the largest ratio of a true error to the estimate at that very time; bar {MOST:g}. "
-        f"Price: processor time over that of one run at the rtol or step asked for; bar {PRICE:g}; found {min(prices):.2f} to {max(prices):.2f}.",
-        "Empty: below what is known of the reference.",
+        f"estimates of {len(entries.keys() & BY_NAME.keys())} cases. Anywhere: the largest ratio of a true error to the estimate at that very "
+        f"time; bar {MOST:g}. "
+        f"Price: processor time over that of one run at the rtol or step asked for, the fastest of at least {REPEATED[0]} of each in turn; "
+        f"bar {PRICE:g}; found {min(prices):.2f} to {max(prices):.2f}.",
+        "Empty: below what is known of the reference." + _exceptions(entries),
         table(["case", "setting", "output", "worst estimate", "true / estimate", "anywhere", "order", "price", "verdict"],
               [[name, *_cells(row)] for name in BY_NAME for row in entries.get(name, [])]),
+        *(verify_meshes.section(entries[MESHES], LEAST, MOST) if MESHES in entries else []),
         f"Measured on: {where}",
     ]  # fmt: skip
     return "\n\n".join(parts) + "\n"
+
+
+def _exceptions(entries: dict[str, list[Entry]]) -> str:
+    """Where no error is quoted, and where the price is not kept."""
+    rows = [(f"{name} at {row['setting']}", row) for name in BY_NAME for row in entries.get(name, [])]
+    refused = dict.fromkeys(place for place, row in rows if row["verdict"] != "ok")
+    dear = dict.fromkeys(place for place, row in rows if row["price"] > PRICE)
+    told = {"Refused": refused, "Dearer than promised": dear}
+    return "".join(f" {what}: {', '.join(places)}." for what, places in told.items() if places)
 
 
 def _cells(row: Entry) -> list[str]:
@@ -144,14 +160,15 @@ def _cells(row: Entry) -> list[str]:
 
 def main(given: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.verify", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--case", nargs="+", default=list(BY_NAME), choices=list(BY_NAME), metavar="NAME", help=", ".join(BY_NAME))
+    parser.add_argument("--case", nargs="+", default=list(NAMES), choices=NAMES, metavar="NAME", help=", ".join(NAMES))
     parser.add_argument("--out", type=Path, default=OUT, help="folder of the page")
     options = parser.parse_args(given)
+    options.out.mkdir(parents=True, exist_ok=True)
     path = options.out / "verify.json"
     entries: dict[str, list[Entry]] = json.loads(path.read_text()) if path.exists() else {}
     warnings.simplefilter("ignore", mbd.SceneWarning)
-    for case in (case for case in CASES if case.name in options.case):
-        entries[case.name] = measure(case)
+    for name in (name for name in NAMES if name in options.case):
+        entries[name] = verify_meshes.measure() if name == MESHES else measure(BY_NAME[name])
         path.write_text(json.dumps(entries, indent=1) + "\n")
         path.with_suffix(".md").write_text(page(entries, report.machine()))
 

@@ -13,6 +13,8 @@ from .displayed import Displayed
 from .system import System
 from .trajectory import Joined, Trajectory
 
+ENERGIES = ("error", "exchanged", "level", "moving", "work")
+"""What is summed over parts."""
 KNOWN = 1e-3
 """Kinetic energy that a run may lose or gain where little is exchanged: velocities off by half of this."""
 
@@ -91,9 +93,9 @@ def audit(system: System, trajectory: Trajectory | Joined) -> Audit:
 
 def _summed(found: Sequence[_Found], length: float, parts: tuple[Audit, ...] = ()) -> Audit:
     gap, slip, speed = (max(getattr(one, name) for one in found) for name in ("gap", "slip", "speed"))
-    *energies, work = (sum(getattr(one, name) for one in found) for name in ("error", "exchanged", "level", "moving", "work"))
+    error, exchanged, level, moving, work = (sum(getattr(one, name) for one in found) for name in ENERGIES)
     still = all(one.still for one in found)
-    return Audit(gap / length, slip / max(speed, 1e-300), *energies, still, work, parts)
+    return Audit(gap / length, slip / max(speed, 1e-300), error, exchanged, level, moving, still, work, parts)
 
 
 def histories(system: System, trajectory: Trajectory | Joined) -> list[History]:

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 class Course:
     """The legs of a scene."""
 
-    """The legs of a scene."""
-
     def __init__(self, scene: Scene, plan: Plan, assembly: Assembly, legs: Sequence[Leg]):
         self.scene, self.plan, self.assembly, self.legs = scene, plan, assembly, legs
 

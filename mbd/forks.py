@@ -84,7 +84,7 @@ def read(head: dict[str, Any] | None, row: Row, part: Part) -> Mark | None:
         seen = Seen({name: _count(value) for name, value in numbers.items()}, {name: float(value) for name, value in last_values.items()})
     q, v, multipliers, stress = vectors
     state = State(float(head["t"]), q, v, multipliers, stress, memory, counts[7])
-    return Mark(counts[6], state, rhythm, Counts(*counts[:4], float(error)), counts[4], pending, seen)
+    return Mark(counts[6], state, rhythm, Counts(counts[0], counts[1], counts[2], counts[3], float(error)), counts[4], pending, seen)
 
 
 def _count(value: Any) -> int:

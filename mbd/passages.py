@@ -55,13 +55,10 @@ def _flips(before: Array, after: Array) -> Array:
 
 
 def _slopes(system: System, linear: Any, q: Any) -> Array:
-    """G [k, m, n] in scaled unknowns at q [k, n]."""
-    q = np.asarray(q)
-    joints = system.joints
-    gradient = np.broadcast_to(joints.at(q).gradient, (len(q), joints.rows.size))
-    dense = np.zeros((len(q), system.m, system.n))
-    dense[:, joints.rows, joints.cols] = gradient
-    return dense * linear.scale[system.n :, None] * linear.scale[: system.n]
+    """G [k, m, n] in scaled unknowns at q [k, n]; constant slopes come without the first axis."""
+    from .solvers.start import scaled_gradient
+
+    return np.broadcast_to(scaled_gradient(system, linear, np.asarray(q)), (len(q), system.m, system.n))
 
 
 def _passage(system: System, linear: Any, before: Any, after: Any) -> Passage | None:

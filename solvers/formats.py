@@ -20,9 +20,9 @@ class Singular(ArithmeticError):
 
 
 def dense(rows: Index, cols: Index, values: NDArray, shape: tuple[int, int]) -> NDArray:
-    """The matrix of values on a pattern; repeated entries are summed."""
-    out = np.zeros(shape)
-    np.add.at(out, (rows, cols), values)
+    """The matrix [..., *shape] of values [..., entries] on a pattern; repeated entries are summed."""
+    out = np.zeros((*values.shape[:-1], *shape))
+    np.add.at(out, (..., rows, cols), values)  # type: ignore[arg-type]  # the stubs do not know an ellipsis
     return out
 
 

@@ -104,7 +104,7 @@ def verify(
     outputs  names, each with a marker (its position), a body (its angle, in space its rotation [rad]), a joint (force and moment of its
              reaction), or a function of a mbd.Result that returns [n_t] or [n_t, k] at its times
     rtol     as of ``simulate``; further runs take 1000 rtol and about rtol/10, and the tightest is the result. Solvers with fixed steps take
-             twice and half of theirs
+             half of theirs, and twice for as much of the time as the price allows: orders are observed until then
     meshes   True: runs on two other meshes as well, with half and twice as many elements in all beams (where a number is odd, twice and four
              times), each for a price of its own. Or a function that makes a scene and its outputs for a factor 0.5 and 2 of all elements: needed
              where outputs are functions. The result is still that of the scene as it is; its errors are then those to an endlessly fine mesh

@@ -51,7 +51,7 @@ def test_verdicts_and_limits() -> None:
     """The limit is the first level that is not right, on each side; a wrong result without a word is silent, one that its audit shows is not."""
     import mbd
 
-    refused = mbd.SimulationError("stopped", time=0.5)
+    refused = mbd.SimulationError("stopped", item="rod", advice=("this", "that", "more"), time=0.5)
     family, found = swept({0.01: 1e-9, 0.1: refused, 1.0: 1e-4, 10.0: Checked(1e-4, 1e-5), 100.0: 0.5, 1000.0: Checked(0.5, 0.4)})
     assert [verdict.kind for verdict in found.values()] == [RIGHT, REFUSED, RIGHT, RIGHT, SILENT, "announced"]
     assert reach(family, found) == [1.0, 10.0]

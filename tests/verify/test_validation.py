@@ -9,10 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.verify import LEAST, MOST, PRICE, measure, page, share
+from benchmarks import verify_meshes
+from benchmarks.verify import LEAST, MESHES, MOST, NAMES, PRICE, measure, page, share
 from benchmarks.verify_cases import BY_NAME, CASES, Case
 
 DOCS = Path(__file__).parents[2] / "docs"
+IRREGULAR = {("flexible slider-crank", "rtol 1e-05")}
+"""Vibrations come in that looser runs leave out: errors grow from rtol 1e-4 to 1e-5 and work jumps beyond it, so that no error is quoted, and the
+last run is dearer than forecast."""
 ENTRIES: dict[str, list[dict[str, Any]]] = json.loads((DOCS / "verify.json").read_text())
 
 
@@ -20,18 +24,33 @@ def test_the_page_is_that_of_its_numbers() -> None:
     text = (DOCS / "verify.md").read_text()
     where = text.strip().rpartition("Measured on: ")[2]
     assert page(ENTRIES, where) == text
-    assert set(ENTRIES) <= set(BY_NAME)
+    assert set(ENTRIES) == set(NAMES)
+    assert len(BY_NAME) >= 15
 
 
-@pytest.mark.parametrize("name", list(ENTRIES))
+@pytest.mark.parametrize("name", list(BY_NAME))
 def test_estimates_of_the_page(name: str) -> None:
-    """Every estimate within the bars, nothing regular refused, and at the price promised (timings of a busy machine: their median)."""
-    check(ENTRIES[name])
-    assert np.median([row["price"] for row in ENTRIES[name]]) <= PRICE
+    """Every estimate within the bars, nothing regular refused, none of these dearer than promised."""
+    check(name, ENTRIES[name])
+    assert max(row["price"] for row in ENTRIES[name] if (name, row["setting"]) not in IRREGULAR) <= PRICE
 
 
-def check(rows: list[dict[str, Any]]) -> None:
+def test_errors_of_meshes_on_the_page() -> None:
+    check_meshes(ENTRIES[MESHES])
+
+
+def check_meshes(rows: list[dict[str, Any]]) -> None:
+    """Within the bars wherever an error is quoted, and quoted nearly everywhere."""
+    quoted = [row for row in rows if row["verdict"] == "ok"]
+    assert len(quoted) >= 0.8 * len(rows)
+    assert all(LEAST <= verify_meshes.share(row) <= MOST and row["anywhere"] <= MOST for row in quoted)
+
+
+def check(name: str, rows: list[dict[str, Any]]) -> None:
     for row in rows:
+        if (name, row["setting"]) in IRREGULAR:
+            assert row["verdict"].startswith("observed order wrong"), row
+            continue
         assert row["verdict"] == "ok", row
         value = share(row)
         assert value is None or LEAST <= value <= MOST, row
@@ -43,7 +62,12 @@ def check(rows: list[dict[str, Any]]) -> None:
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 @pytest.mark.filterwarnings("ignore::mbd.SceneWarning")
 def test_estimates(case: Case) -> None:
-    check(measure(case, priced=False))
+    check(case.name, measure(case, priced=False))
+
+
+@pytest.mark.slow
+def test_errors_of_meshes() -> None:
+    check_meshes(verify_meshes.measure())
 
 
 def test_shares_that_are_not_known() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import mbd
 from benchmarks.verify_cases import BY_NAME, double_pendulum, long_chain, pendulum_force, pendulum_path, simple_pendulum
+from mbd.verification.runs import climb
 
 from .. import machines
 
@@ -50,6 +52,16 @@ def test_closed_forms(name: str) -> None:
             within(error, found, output.name)
 
 
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6])
+def test_a_free_top_exchanges_nothing_and_is_not_warned_of(rtol: float) -> None:
+    """What its energy changes by are errors alone."""
+    scene, _ = BY_NAME["free top"].build()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        result = mbd.simulate(scene, 10.0, rtol=rtol)
+    assert result.audit.balanced and result.audit.energy_error == pytest.approx(result.audit.energy_scale)
+
+
 FIXED = (mbd.GeneralizedAlpha(8e-3), mbd.GeneralizedAlpha(4e-3), mbd.Gauss(0.04), mbd.Gauss(0.02), mbd.Gauss(0.05, stages=3), mbd.Radau(3, step=0.05))
 
 
@@ -63,6 +75,29 @@ def test_fixed_steps(solver: Any) -> None:
     error = distances(found.result.position(outputs["bob"]), pendulum_path(found.t))
     assert 0.5 < error.max() / found.errors["bob"].max() < 2.0
     assert np.all(error <= MOST * found.errors["bob"])
+
+
+@pytest.mark.parametrize("solver", [mbd.GeneralizedAlpha(8e-3), mbd.Gauss(0.02), mbd.Radau(3, step=0.02)], ids=str)
+def test_the_longest_steps_go_as_far_as_is_paid_for(solver: Any) -> None:
+    """Half, one and two times the step would cost 3.5 runs by steps alone."""
+    scene, _ = double_pendulum()
+    ladder = climb(scene, 2.0, 1e-10, solver, None, None)
+    assert ladder.coarse is not None
+    works = [run.stats["newton iterations"] + run.stats["factorizations"] for run in (ladder.coarse, *ladder.runs)]
+    assert sum(works) <= 3.4 * works[1]
+    t, times = ladder.coarse.trajectory.t, ladder.times()
+    assert 0.5 <= t[-1] <= 2.0 and times[-1] == 2.0
+    assert np.isin(times, ladder.runs[1].trajectory.t).all() and np.isin(t, ladder.runs[0].trajectory.t).all()
+
+
+def test_positions_that_are_not_known_between_steps_are_left_out() -> None:
+    """The bars of a parallelogram are aligned twice in each turn: some steps across cannot be solved anew."""
+    case = BY_NAME["four-bar 1"]
+    scene, outputs = case.build()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", mbd.SceneWarning)
+        found = mbd.verify(scene, case.t_end, outputs=outputs, rtol=1e-4)
+    assert found.ok and found.predictable_until == case.t_end
 
 
 def test_squeezer_against_the_test_set() -> None:
