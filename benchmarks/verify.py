@@ -31,7 +31,7 @@ PRICE = 3.5
 """What ``verify`` may take, in units of one run."""
 TIMES = 60
 """Instants of the result at which true errors are taken."""
-REPEATED, FEW = (3, 12), 2.0
+REPEATED, FEW = (3, 12), 1.0
 """Times are taken in turn, so often at least and at most; more than at least only within so many seconds of processor time."""
 TOGETHER = 3
 """Single runs timed as one, which takes about as long as ``verify``: of shorter spells the fastest is luckier on a busy machine."""
