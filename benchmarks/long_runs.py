@@ -27,8 +27,9 @@ from . import report
 from .tables import table
 
 OUT = Path(__file__).resolve().parents[1] / "docs" / "long_runs.md"
-LOST = 0.1, 0.01
-"""A phase farther off, in periods, or after an energy error larger than this share is no longer told: it may be whole periods off."""
+LOST = 0.1, 1.0
+"""A phase farther off, in periods, or where energy errors times periods exceed this, is no longer told: it may be whole periods off, as periods
+change by less than half the share that energies are off by."""
 
 GRAVITY, CHUNK = 9.81, 100
 """Runs go on from their last state after so many periods: nothing but what is asked for is kept."""
@@ -211,7 +212,7 @@ def _machine(row: Row) -> str:
 
 def _cells(row: Row, lowest: float, period: float) -> list[str]:
     phase = np.nan if row.method == REFERENCE else (row.angle - lowest) / row.rate / period
-    if abs(phase) > LOST[0] or row.energy > LOST[1]:
+    if abs(phase) > LOST[0] or row.energy * (CASES[row.case].compared or row.periods) > LOST[1]:
         phase = np.inf
     numbers = [phase, row.energy, row.position_drift, row.velocity_drift]
     shown = ["lost" if x == np.inf else "" if not np.isfinite(x) else f"{x:.1e}" for x in numbers]

@@ -100,14 +100,15 @@ def plausible(observed: float, order: float | None) -> bool:
 
 
 def envelope(t: Array, times: Array, errors: Array, lost: float) -> Array:
-    """Estimated errors at t [n_t] from those at times [k]: the largest nearby; infinite from where the output is lost."""
+    """Estimated errors at t [n_t] from those at times [k]: the largest nearby; infinite after the last of these at which the output is not lost."""
     kept = times < lost
     if not kept.any():
         return np.full(t.shape, np.inf)
     width = max(NEARBY * (times[-1] - times[0]), 2.0 * np.max(np.diff(times), initial=0.0))
     near = np.abs(t[:, None] - times[kept]) <= width
     largest = np.max(np.where(near, errors[kept], 0.0), axis=1)
-    return np.where(t < lost, np.maximum(largest, np.min(errors)), np.inf)
+    end = np.inf if kept.all() else times[kept][-1]
+    return np.where(t <= end, np.maximum(largest, np.min(errors)), np.inf)
 
 
 class Growth(NamedTuple):

@@ -35,7 +35,7 @@ APART = 30.0
 """The coarsest run's tolerance is at least so many times rtol, or there is none."""
 SHORT = 20
 """Steps: shorter runs leave nothing to pay a third one with."""
-SPENT, BY_STEPS, IN_ALL = 2.75, 3.25, 3.05
+SPENT, BY_STEPS, IN_ALL = 2.75, 3.2, 3.05
 """Work of all runs over that of the one asked for, by forecast, with tolerances and with fixed steps; and with their comparison, which is free
 where steps are fixed."""
 LEAST_SHARE = 0.25
@@ -47,7 +47,7 @@ BETWEEN = 1.2
 FACTORISATION = 8
 """What a factorisation with the derivatives in it costs, in Newton iterations."""
 EVERY = 4
-"""Of the times of comparison, the last among them, one in so many serves the coarsest run."""
+"""Of the times of comparison, the last among them, one in so many serves the coarsest run; but FEWEST at least, as an order seen at two is noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +176,7 @@ class Compared(NamedTuple):
 def compared(ladder: Ladder, others: Sequence[Result]) -> Compared:
     """Times at which one of the runs has no values (a singular position between steps) are left out."""
     times, (middle, fine, *more) = sampled([*ladder.runs, *others], ladder.times())
-    seldom = times[::-EVERY][::-1]
+    seldom = times[:: -min(EVERY, max(times.size // FEWEST, 1))][::-1]
     few, coarse = (seldom, []) if ladder.coarse is None else sampled([ladder.coarse], seldom[seldom <= ladder.coarse.trajectory.t[-1]])
     density = min(times.size / fine.trajectory.t.size, 1.0)
     return Compared(times, coarse[0] if coarse else None, np.searchsorted(times, few), middle, fine, more, density)
