@@ -123,7 +123,7 @@ TEXTS: dict[str, tuple[str | bytes, str]] = {
     "too many parameters": (HEAD + "[parameters]\n" + "".join(f"a{k} = 1\n" for k in range(1001)) + BALL, "parameters: expected"),
     "unknown function": (HEAD + BALL.replace("mass = 1", 'mass = "sinn(1)"'), "did you mean 'sin'"),
     "t in a number": (HEAD + BALL.replace("mass = 1", 'mass = "t"'), "mass of 'ball': expected one of pi, e, tau; found 't'"),
-    "negative mass": (HEAD + BALL.replace("mass = 1", "mass = -1"), "line 5, items[0].mass of 'ball': expected a positive number"),
+    "negative mass": (HEAD + BALL.replace("mass = 1", "mass = -1"), "line 5, items[0].mass of 'ball': expected a number not below zero"),
     "name of a number": (HEAD + BALL.replace('"ball"', "3"), "items[0].name: expected a text"),
     "empty name": (HEAD + BALL.replace('"ball"', '""'), "items[0].name of '': expected a text"),
     "name ground": (HEAD + BALL.replace('"ball"', '"ground"'), "name of 'ground': expected a name that no item before this one has"),
