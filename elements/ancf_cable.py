@@ -176,16 +176,6 @@ class Cable:
         tangent = Affine.of(rows[bend], slope[bend], d)
         return Marker(self.name, self.site.scene, Affine.of(rows[keep], point[keep], d), (tangent,), False, (s,))
 
-    def doubts(self, q: Array) -> list[str]:
-        """What a run with coordinates q [n_t, n] should not be believed for: elements too long to be thin."""
-        from .locking import LOCKED, locked
-
-        if self.description.elasticity != "continuum" or (share := locked(self, q)) <= LOCKED:
-            return []
-        n = len(self.lengths)
-        why = f"{share:.1%} of the elastic energy is in axial strain that fluctuates within elements"
-        return [f"cable {self.name!r}: {n} elements are too few for its thickness (locking: {why}): do not trust this run; give n_elements={2 * n}"]
-
     def assemble(self, model: Model) -> None:
         c, n = self.description, len(self.lengths)
         rows = np.concatenate((self.rows[:-1], self.rows[1:]), axis=1)

@@ -14,7 +14,6 @@ from .affine import Array
 from .assembly import Assembly, announce
 from .checkpoint import Checkpoint
 from .course import Course
-from .doubts import warn_of_doubts
 from .errors import SceneError, SceneWarning
 from .event import Event, named
 from .leg import Aim, Leg
@@ -130,7 +129,7 @@ def warn(result: Result) -> None:
     _warn_of_coarse_steps(result)
     _warn_of_leaps(result)
     _warn_of_passages(result)
-    warn_of_doubts(result.scene, result.q, 4)
+    _warn_of_doubts(result)
 
 
 def _warn_of_imbalance(result: Result) -> None:
@@ -189,6 +188,13 @@ def _warn_of_passages(result: Result) -> None:
             SceneWarning,
             stacklevel=4,
         )
+
+
+def _warn_of_doubts(result: Result) -> None:
+    """What items know of the limits of their own formulation."""
+    for item in result.scene.items:
+        for doubt in item.doubts(result.q) if hasattr(item, "doubts") else []:
+            warnings.warn(doubt, SceneWarning, stacklevel=4)
 
 
 class _Bar:

@@ -12,7 +12,6 @@ from .about import About
 from .affine import Array
 from .assembly import Assembly, announce, consistent, prepare
 from .balance import Equilibrium
-from .doubts import warn_of_doubts
 from .errors import SceneError, SceneWarning, SimulationError
 from .loading import Loading
 from .state import State
@@ -76,7 +75,6 @@ def _solve(scene: Scene, system: System, q: Array, t: float, load_steps: int) ->
         raise _failure(system, out, redundant, t)
     announce(Assembly(State(out.x.q, np.zeros_like(q), t), (), redundant, linear))
     work = {"iterations": out.iterations, "factorizations": linear.factorizations, "restarts": out.restarts}
-    warn_of_doubts(scene, out.x.q[None], 3)
     stats = work | {"falls": len(breaks), "redundant": redundant}
     if breaks and breaks[0] > 0.0:
         text = f"the path of balance breaks off near {100.0 * breaks[0]:.2g} % of the loads: this is where the scene then snaps to"

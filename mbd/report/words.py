@@ -14,7 +14,6 @@ import numpy as np
 from .. import __version__
 from ..audit import Audit
 from ..diagnosis import Structure
-from ..doubts import doubts as known
 from ..errors import SceneError
 from ..marker import Marker
 from ..result import Result
@@ -130,7 +129,7 @@ def events(result: Result) -> str:
 
 def doubts(result: Result) -> list[str]:
     """What a reader should know before believing the run, as plain text."""
-    told = known(result.scene, result.q)
+    told = [line for item in result.scene.items if hasattr(item, "doubts") for line in item.doubts(result.q)]
     told += [f"the start was corrected: {correction}" for correction in result.assembly.corrections]
     if result.assembly.redundant:
         told.append(f"redundant joints: {_listing(result.assembly.redundant, 8)}")
