@@ -113,8 +113,9 @@ def test_twenty_steps_without_matplotlib(tmp_path, monkeypatch, capsys):
 
 
 def test_ten_minutes(tmp_path, monkeypatch, capsys):
+    before = len(plt.get_fignums())
     names = tutorial("ten_minutes", tmp_path, monkeypatch)
-    assert len(plt.get_fignums()) == 2
+    assert len(plt.get_fignums()) == before + 2
     plt.close("all")
     assert "free motion: 'rod' turns" in capsys.readouterr().out
     assert all(names[run].audit.balanced for run in ("result", "fall", "run"))
