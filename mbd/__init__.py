@@ -44,7 +44,8 @@ if TYPE_CHECKING:
     )
     from .errors import Interrupted, SceneError, SceneWarning, SimulationError
     from .event import Event
-    from .files import read_scene, write_scene
+    from .files.reading import read_scene
+    from .files.writing import write_scene
     from .functions import Expression, Ramp, Sine, SmoothStep, Spline, Table
     from .joints import (
         Actuator,
@@ -136,7 +137,8 @@ _HOMES = {
     "errors": ("Interrupted", "SceneError", "SceneWarning", "SimulationError"),
     "event": ("Event",),
     "functions": ("Expression", "Ramp", "Sine", "SmoothStep", "Spline", "Table"),
-    "files": ("read_scene", "write_scene"),
+    "files.reading": ("read_scene",),
+    "files.writing": ("write_scene",),
     "signal": ("piecewise",),
     "marker": ("Marker",),
     "archive": ("load",),

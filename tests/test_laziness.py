@@ -76,6 +76,19 @@ def test_small_scenes_run_without_the_heavy_modules(code, tmp_path):
     assert not [name for name in modules if name.startswith(unasked)]
 
 
+def test_reports_and_notebooks_need_nothing_beside_mbd(tmp_path):
+    """As where none of the extras is installed."""
+    shown = f"""
+import sys
+sys.modules |= dict.fromkeys({FACE!r})
+{DOUBLE_PENDULUM}
+result.report("run.html")
+print(scene._repr_html_()[:4], result._repr_html_()[:7], result.audit._repr_html_()[:4])
+"""
+    assert fresh(shown, tmp_path).split() == ["<div", "<iframe", "<div"]
+    assert "RigidBody" in (tmp_path / "run.html").read_text(encoding="utf-8")
+
+
 def test_importing_mbd_takes_no_time(tmp_path):
     """Below 0.15 s beyond NumPy's own. It is about 1 ms; the limit leaves a busy machine a hundredfold, and the median forgets outliers."""
     code = "import time, numpy; clock = time.perf_counter(); import mbd; print(time.perf_counter() - clock)"
