@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from .affine import Array
 from .errors import SceneError
 from .marker import Marker
+from .measured import measured
 
 if TYPE_CHECKING:
     from .result import Result
@@ -48,7 +49,7 @@ def check(scene: Scene, outputs: Any) -> None:
     for name, item in outputs.items():
         if not (isinstance(name, str) and name):
             found.append(f"outputs: expected a text for a name, found {name!r}")
-        if not (isinstance(item, Marker) or joint(item) or measure(item) or body(item) or callable(item)):
+        if not (isinstance(item, Marker) or joint(item) or measured(item) or body(item) or callable(item)):
             found.append(f"outputs: {name!r}: expected a marker, joint, measure or body, or a function of the result, found {item!r}")
         elif not callable(item) and owner(item) is not scene:
             found.append(f"outputs: {name!r}: expected something of this scene, found {item!r} of another")
@@ -58,10 +59,6 @@ def check(scene: Scene, outputs: Any) -> None:
 
 def owner(item: Any) -> Any:
     return item.scene if isinstance(item, Marker) else item.site.scene
-
-
-def measure(item: Any) -> bool:
-    return hasattr(item, "coordinate")
 
 
 def joint(item: Any) -> bool:
@@ -77,7 +74,7 @@ def _series(result: Result, name: str, item: Output) -> list[Series]:
     axes = ("x", "y", "z")[: result.system.dimension]
     if isinstance(item, Marker):
         return [Series(name, "position", "m", axes, result.position(item))]
-    if measure(item):
+    if measured(item):
         return [Series(name, item.description.kind, getattr(item.description, "unit", ""), ("",), result.q[:, [item.coordinate]])]
     if joint(item):
         return _reaction(name, axes, result.reaction(item))

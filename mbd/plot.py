@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from .affine import Array
 from .drawing import FINE, Drawing
+from .extras import need
 from .marker import Marker
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def plot(result: Result, times: ArrayLike | None = None, *, items: Sequence[Any]
 
     ax is a matplotlib Axes, a 3-D one for a spatial scene; None makes a figure. Returns the Axes.
     """
-    plt = _pyplot()
+    plt = need("matplotlib.pyplot", "plot")
     chosen = _spread(result, SHAPES) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
     ax = _axes(plt, result.system.dimension, ax)
     q, _ = result.trajectory.at(chosen)
@@ -53,7 +54,7 @@ def plot(result: Result, times: ArrayLike | None = None, *, items: Sequence[Any]
 
 def plot_path(result: Result, marker: Marker, ax: Any = None, **style: Any) -> Any:
     """The path of a marker over the whole run; ``style`` goes to matplotlib's plot. Returns the Axes."""
-    ax = _axes(_pyplot(), result.system.dimension, ax)
+    ax = _axes(need("matplotlib.pyplot", "plot"), result.system.dimension, ax)
     ax.plot(*result.position(marker, t=_spread(result, FINE)).T, **style)
     _frame(ax)
     return ax
@@ -65,7 +66,7 @@ def animate(result: Result, path: str | os.PathLike[str] | None = None, *, fps: 
     A path ending in .gif is written by Pillow, any other (.mp4) by the program ffmpeg; raises RuntimeError where that is not installed.
     Keep the returned object: it runs while it lives.
     """
-    plt = _pyplot()
+    plt = need("matplotlib.pyplot", "plot")
     from matplotlib.animation import FuncAnimation
 
     writer = None if path is None else _writer(os.fspath(path))
@@ -106,14 +107,6 @@ def _writer(path: str) -> str:
         how = "install it (apt-get install ffmpeg, conda install ffmpeg, brew install ffmpeg), or write a .gif"
         raise RuntimeError(f"animate: {path!r}: expected the program ffmpeg, which writes films, found none on the path; {how}")
     return name
-
-
-def _pyplot() -> Any:
-    try:
-        import matplotlib.pyplot as plt
-    except ImportError as error:
-        raise ImportError('pictures need matplotlib, which is not installed: pip install "mbd[plot]"') from error
-    return plt
 
 
 def _axes(plt: Any, dimension: int, ax: Any) -> Any:

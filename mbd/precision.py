@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from .affine import Array
 from .errors import SimulationError
+from .extras import need
 from .marker import Marker
 from .run import simulate
 
@@ -57,9 +58,7 @@ class WorkPrecision:
 
     def plot(self, ax: Any = None) -> Any:
         """Wall time over error, a curve for each solver; returns the matplotlib Axes (a new one where none is given)."""
-        from .plot import _pyplot
-
-        axes = _pyplot().figure(layout="constrained").add_subplot() if ax is None else ax
+        axes = need("matplotlib.pyplot", "plot").figure(layout="constrained").add_subplot() if ax is None else ax
         for solver in dict.fromkeys(row.solver for row in self.rows):
             points = [(row.error, row.wall_time) for row in self.rows if row.solver == solver and 0.0 < row.error < np.inf]
             if points:

@@ -93,10 +93,12 @@ class Result(Displayed):
         """The last state: ``simulate(scene, t_end, start=result.final)`` continues."""
         return self.trajectory.end
 
-    def resampled(self, t: ArrayLike) -> Result:
-        """The same run with ``t`` at other times [n_t] [s], ascending or not: everything asked of it is at these."""
+    def resampled(self, t: ArrayLike, motion: tuple[Array, Array] | None = None) -> Result:
+        """The same run with ``t`` at other times [n_t] [s], ascending or not: everything asked of it is at these. motion: q and v there,
+        where they are known."""
         times = np.atleast_1d(np.asarray(t, dtype=float))
-        return Result(self.scene, self.system, self.trajectory, self.stats, self.assembly, (times, *self.trajectory.at(times)), self.events)
+        chosen = (times, *(motion or self.trajectory.at(times)))
+        return Result(self.scene, self.system, self.trajectory, self.stats, self.assembly, chosen, self.events)
 
     def _motion(self, t: ArrayLike | None, columns: Index) -> tuple[Array, Array]:
         """q, v [..., n]; of the parts that these coordinates belong to, at least."""

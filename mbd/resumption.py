@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .assembly import prepared
+from .cautions import caution
 from .checkpoint import Checkpoint
 from .course import Course
 from .errors import SceneError
@@ -19,7 +20,7 @@ from .leg import Aim, Back, Leg
 from .parts import Part
 from .progress import Plan, Progress, Stage
 from .result import Result
-from .run import checked_times, finished, warn
+from .run import checked_times, finished
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -65,7 +66,7 @@ def resume(
     legs = [_leg(part, stage, plan, result, later) for part, stage in zip(parts, before.stages)]
     assembly = replace(result.assembly, linear=legs[0].linear) if len(legs) == 1 else result.assembly
     whole = finished(Course(own, plan, assembly, legs), progress, kept)
-    warn(whole)
+    caution(whole)
     return whole
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -12,9 +11,10 @@ from numpy.typing import ArrayLike
 
 from .affine import Array
 from .assembly import Assembly, announce
+from .cautions import caution
 from .checkpoint import Checkpoint
 from .course import Course
-from .errors import SceneError, SceneWarning
+from .errors import SceneError
 from .event import Event, named
 from .leg import Aim, Leg
 from .parts import Part
@@ -72,7 +72,7 @@ def simulate(
     announce(assembly)
     legs = [_leg(part, each, solver, plan) for part, each in zip(parts, begin)]
     result = finished(Course(scene, plan, assembly, legs), progress, kept)
-    warn(result)
+    caution(result)
     return result
 
 
@@ -121,80 +121,6 @@ def _leg(part: Part, start: Assembly, solver: Any, plan: Plan) -> Leg:
     stress = system.stress(system.strains(at.q), at.v) if system.n_stresses else np.zeros(0)
     states = [SolverState(at.t, at.q, at.v, np.zeros(system.m), stress)]
     return Leg(part, start.linear, chosen, reason, states, Aim(plan.t_end, plan.rtol, plan.events))
-
-
-def warn(result: Result) -> None:
-    """What the user should know of a run that ended well."""
-    _warn_of_imbalance(result)
-    _warn_of_coarse_steps(result)
-    _warn_of_leaps(result)
-    _warn_of_passages(result)
-    _warn_of_doubts(result)
-
-
-def _warn_of_imbalance(result: Result) -> None:
-    """An energy that does not add up is the one sign of an unstable or far too coarse run that every scene gives."""
-    audit = result.audit
-    pieces = result.trajectory.pieces()
-    for piece, part in zip(pieces, audit.parts or (audit,)):
-        if not part.balanced:
-            where = f" of {', '.join(map(repr, piece.part.items[:3]))}" if len(pieces) > 1 else ""
-            warnings.warn(
-                f"the energy{where} is off by {part.energy_error:.3g} J where {part.energy_scale:.3g} J were exchanged: "
-                "do not trust this run; lower rtol or the step",
-                SceneWarning,
-                stacklevel=4,
-            )
-
-
-COARSE = 0.03
-"""The sum of the errors estimated in fixed steps, as a share of the length, above which a run is not to be trusted."""
-
-
-def _warn_of_coarse_steps(result: Result) -> None:
-    """Nothing controls fixed steps: their errors are added up instead."""
-    worst = result.stats["coarseness"]
-    if worst > COARSE:
-        warnings.warn(
-            f"the fixed steps are too long: errors estimated in them add up to {worst:.2g} of the scene's length: "
-            "do not trust this run; take shorter steps or a solver with error control",
-            SceneWarning,
-            stacklevel=4,
-        )
-
-
-def _warn_of_leaps(result: Result) -> None:
-    """Steps see a function of time where they call it; between that it may do anything."""
-    if names := result.stats["leapt over"]:
-        warnings.warn(
-            f"the functions of t of {', '.join(map(repr, names))} turn round more often than the run has steps: these may have leapt over what they "
-            "do. If it matters, do not trust this run: run shorter spans, or lower rtol, and compare",
-            SceneWarning,
-            stacklevel=4,
-        )
-
-
-def _warn_of_passages(result: Result) -> None:
-    """Where joints lose their grip a mechanism may go on in two ways, and equations do not say in which."""
-    from .passages import passages
-
-    found = sorted(passage for piece in result.trajectory.pieces() for passage in passages(piece))
-    if found:
-        t, items = found[0]
-        warnings.warn(
-            f"joints {', '.join(map(repr, items))} went through a singular position at t = {t:.6g} s: there they hold less than elsewhere, and "
-            "the motion may go on in another way too; the smooth one was followed. If no such position is meant to be reached, do not trust this "
-            "run: lower rtol; mbd.check(scene, state) tells more",
-            SceneWarning,
-            stacklevel=4,
-        )
-
-
-def _warn_of_doubts(result: Result) -> None:
-    """What items know of the limits of their own formulation."""
-    for item in result.scene.items:
-        for doubt in item.doubts(result.q) if hasattr(item, "doubts") else []:
-            warnings.warn(doubt, SceneWarning, stacklevel=4)
 
 
 class _Bar:

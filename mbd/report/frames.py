@@ -56,12 +56,6 @@ def frames(result: Result, outputs: dict[str, Marker], size: int = SIZE) -> Fram
     return Frames(run, drawing, drawing.at(run.q), _forces(run), between)
 
 
-def at_times(result: Result, times: Array, motion: tuple[Array, Array] | None = None) -> Result:
-    """The same run with ``t`` at other times [n_t]; motion: q and v there, where they are known."""
-    chosen = (times, *(motion or result.trajectory.at(times)))
-    return Result(result.scene, result.system, result.trajectory, result.stats, result.assembly, chosen, result.events)
-
-
 def _weight(drawing: Drawing) -> int:
     """Bytes of one frame."""
     return 4 * max(len(drawing.points), 1) * drawing.scene.dimension
@@ -81,7 +75,7 @@ def _even(result: Result, drawing: Drawing, size: int) -> Result:
         q, v, times = (_woven(a, b) for a, b in ((q, between[0]), (v, between[1]), (times, middle)))
         if missed(drawing.at(q)) <= MISS * drawing.extent:
             break
-    return at_times(result, times, (q, v))
+    return result.resampled(times, (q, v))
 
 
 def _woven(a: Array, b: Array) -> Array:
@@ -105,7 +99,7 @@ def _at_steps(result: Result, drawing: Drawing, size: int) -> Result:
     most = max(2, min(MOST, size // _weight(drawing)))
     steps = result.trajectory
     chosen = np.unique(np.linspace(0, len(steps.t) - 1, most).round().astype(int))
-    return at_times(result, steps.t[chosen], (steps.q[chosen], steps.v[chosen]))
+    return result.resampled(steps.t[chosen], (steps.q[chosen], steps.v[chosen]))
 
 
 def _forces(run: Result) -> dict[str, Array]:

@@ -31,29 +31,14 @@ def _framed(content: str) -> str:
     return f'<div class="mbd">{STYLE}{content}</div>'
 
 
-@html.register
-def _(thing: Structure) -> str:
-    return _framed(words.structure(thing))
-
-
-@html.register
-def _(thing: Audit) -> str:
-    return _framed(words.audit(thing))
-
-
-@html.register
-def _(thing: Verification) -> str:
-    return _framed(words.verification(thing))
-
-
-@html.register
-def _(thing: Modes) -> str:
-    return _framed(words.modes(thing))
-
-
-@html.register
-def _(thing: Statistics) -> str:
-    return _framed(words.statistics(thing))
+for _kind, _table in (
+    (Structure, words.structure),
+    (Audit, words.audit),
+    (Modes, words.modes),
+    (Statistics, words.statistics),
+    (Verification, words.verification),
+):
+    html.register(_kind, lambda thing, table=_table: _framed(table(thing)))
 
 
 @html.register

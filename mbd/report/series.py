@@ -13,8 +13,8 @@ from ..affine import Array
 from ..audit import History, histories
 from ..errors import SceneWarning
 from ..joints.measures import PlacedMeasure
-from ..joints.placed import Placed
-from ..outputs import check, measure, series
+from ..measured import measured
+from ..outputs import check, joint, series
 from ..result import Result
 from ..verification.verification import Verification
 from .frames import LOST
@@ -40,14 +40,14 @@ class Plot:
 
 def plots(result: Result, run: Result, outputs: dict[str, Any], verification: Verification | None = None) -> list[Plot]:
     """All plots of a result; ``run``: the same at the frames."""
-    shown = [_output(run, name, item) for name, item in outputs.items() if not is_joint(item) or measure(item)]
+    shown = [_output(run, name, item) for name, item in outputs.items() if not is_joint(item) or measured(item)]
     chosen = {name: item for name, item in outputs.items() if is_joint(item)}
     return [_energy(run), *_drift(result), *_errors(verification), *shown, *_reactions(run, chosen)]
 
 
 def is_joint(item: Any) -> bool:
     """Whether it is one whose reaction is of interest in itself; measures have a value instead."""
-    return isinstance(item, Placed) and not isinstance(item, PlacedMeasure)
+    return joint(item) and not isinstance(item, PlacedMeasure)
 
 
 def checked(result: Result, wanted: Any) -> dict[str, Any]:
@@ -115,9 +115,9 @@ def _reactions(run: Result, chosen: dict[str, Any]) -> list[Plot]:
     every = {item.name: item for item in run.scene.items if is_joint(item) and item.name in held}
     joints = chosen or dict(list(every.items())[:JOINTS])
     found: list[Plot] = []
-    for name, joint in joints.items():
+    for name, item in joints.items():
         try:
-            found += _reaction(run, name, joint)
+            found += _reaction(run, name, item)
         except LOST as error:
             return [Plot("reactions", "Reactions", "", {}, note=f"not to be had: {error}")]
     if found and len(every) > len(joints):

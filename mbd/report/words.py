@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import __version__
+from .. import __version__, cautions
 from ..audit import Audit
 from ..diagnosis import Structure
 from ..errors import SceneError
@@ -129,7 +129,7 @@ def events(result: Result) -> str:
 
 def doubts(result: Result) -> list[str]:
     """What a reader should know before believing the run, as plain text."""
-    told = [line for item in result.scene.items if hasattr(item, "doubts") for line in item.doubts(result.q)]
+    told = list(cautions.doubts(result))
     told += [f"the start was corrected: {correction}" for correction in result.assembly.corrections]
     if result.assembly.redundant:
         told.append(f"redundant joints: {_listing(result.assembly.redundant, 8)}")

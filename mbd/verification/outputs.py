@@ -10,7 +10,8 @@ import numpy as np
 
 from ..affine import Array
 from ..marker import Marker
-from ..outputs import body, check, joint, measure
+from ..measured import measured
+from ..outputs import body, check, joint
 from ..result import Result
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ def _made(scene: Scene, name: str, source: Any) -> list[Output]:
     d = scene.dimension
     if isinstance(source, Marker):
         return [Output(name, "m", lambda result: result.position(source), lambda values: scene.build().length)]
-    if measure(source):
+    if measured(source):
         return [Output(name, getattr(source.description, "unit", ""), lambda result: result.q[:, [source.coordinate]], _largest)]
     if joint(source):
         force = Output(name, "N", lambda result: result.reaction(source)[:, :d], _largest)

@@ -128,9 +128,7 @@ def _until(result: Result, finest: Result) -> float:
 def _unless_it_fails(run: Callable[[], Result]) -> Result | None:
     try:
         return run()
-    except SimulationError as stop:
-        if stop.what == "interrupted":
-            raise
+    except SimulationError:
         return None
 
 
@@ -186,10 +184,7 @@ def sampled(runs: Sequence[Result], times: Array) -> tuple[Array, list[Result]]:
     """Runs as results at those of the times at which all of them have values."""
     motions = [_motion(run, times) for run in runs]
     good = np.all([np.ones(times.size, dtype=bool), *(np.isfinite(q).all(axis=1) for q, _ in motions)], axis=0)
-    return times[good], [
-        Result(run.scene, run.system, run.trajectory, run.stats, run.assembly, (times[good], q[good], v[good]), run.events)
-        for run, (q, v) in zip(runs, motions)
-    ]
+    return times[good], [run.resampled(times[good], (q[good], v[good])) for run, (q, v) in zip(runs, motions)]
 
 
 def _motion(run: Result, times: Array) -> tuple[Array, Array]:

@@ -8,11 +8,11 @@ import numpy as np
 from exudyn.rigidBodyUtilities import AngularVelocity2EulerParameters_t, RotationMatrix2EulerParameters
 
 from ... import machines
-from ...exudyn_scenes import Machine, Out, Planar, cable, empty, items, node_position
+from ...exudyn_scenes import Machine, Out, Planar, cable, empty, items
 from .. import exact
 from ..common import share
 from ..families import frames as of
-from .running import Attempts, attempts, dynamic, hinged_cable
+from .running import Attempts, attempts, dynamic, hinged, hinged_cable
 
 
 def _crank(a: float, b: float, c: float) -> Machine:
@@ -115,12 +115,6 @@ def blade(speed: float) -> Attempts:
         for k, node in enumerate(nodes):
             mbs.SetNodeParameter(node, "initialCoordinates", [radius[k] - reference[k], 0.0, slope[k] - 1.0, 0.0])
             mbs.SetNodeParameter(node, "initialVelocities", [0.0, speed * radius[k], 0.0, speed * slope[k]])
-        ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
-        for k in (0, 1):
-            held = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=k))
-            mbs.AddObject(items.CoordinateConstraint(markerNumbers=[ground, held]))
-        mbs.Assemble()
-        end = node_position(mbs, nodes[-1])
-        return Machine(mbs, lambda: end()[:2])
+        return hinged(mbs, nodes)
 
     return attempts(make, of.TURNS * 2.0 * np.pi / speed, 500, lambda x: share(x, of.blade_end(speed), radius[-1]), sparse=True)

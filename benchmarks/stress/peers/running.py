@@ -94,18 +94,23 @@ def static(make: MAKE, error: Callable[[np.ndarray], float], *, sparse: bool = F
         yield lambda steps=steps, loose=loose: solve(steps, loose)  # type: ignore[misc]
 
 
+def hinged(mbs: Any, nodes: Any) -> Machine:
+    """A system whose first node is held where it is; the output is the position of the last one."""
+    ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
+    for k in (0, 1):
+        held = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=k))
+        mbs.AddObject(items.CoordinateConstraint(markerNumbers=[ground, held]))
+    mbs.Assemble()
+    end = node_position(mbs, nodes[-1])
+    return Machine(mbs, lambda: end()[:2])
+
+
 def hinged_cable(given: Any, gravity: float, fractions: Any = None, damping: float = 0.0) -> Callable[[], Machine]:
     """Makes Exudyn's cable with its start held at the origin; the output is its end."""
 
     def make() -> Machine:
         mbs = empty()
         nodes = cable(mbs, given, gravity, fractions, damping)
-        ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
-        for k in (0, 1):
-            held = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=k))
-            mbs.AddObject(items.CoordinateConstraint(markerNumbers=[ground, held]))
-        mbs.Assemble()
-        end = node_position(mbs, nodes[-1])
-        return Machine(mbs, lambda: end()[:2])
+        return hinged(mbs, nodes)
 
     return make
