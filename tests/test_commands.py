@@ -289,8 +289,10 @@ def test_every_example_says_what_it_is() -> None:
 
 
 def test_schema_is_the_models(folder: Path, capsys) -> None:
+    from mbd.files.model import schema
+
     assert main(["schema"]) == 0
-    assert json.loads(capsys.readouterr().out) == mbd.files.model.schema()
+    assert json.loads(capsys.readouterr().out) == schema()
     assert main(["schema", "--out", "scene.json"]) == 0 and json.loads((folder / "scene.json").read_text(encoding="utf-8"))
 
 
