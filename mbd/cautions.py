@@ -49,8 +49,8 @@ def leaps(result: Result) -> Iterator[str]:
     """Steps see a function of time where they call it; between that it may do anything."""
     if names := result.stats["leapt over"]:
         yield (
-            f"the functions of t of {', '.join(map(repr, names))} turn round more often than the run has steps: these may have leapt over what they "
-            "do. If it matters, do not trust this run: run shorter spans, or lower rtol, and compare"
+            f"the functions of t of {', '.join(map(repr, names))} change more often, or for a shorter time, than the run has steps: these may have "
+            "leapt over what they do. If it matters, do not trust this run: tell the times by mbd.piecewise, or run shorter spans, and compare"
         )
 
 

@@ -92,7 +92,7 @@ class Leg:
         from .solvers.march import march
 
         system, method = self.part.system, self.method
-        if not system.steady:
+        if not system.steady or system.joints.drives:
             self._look_for_jumps()
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # a diverging iteration is detected and rejected
             state, pace = self._begun()
@@ -111,8 +111,9 @@ class Leg:
         from .jumps import look
 
         found = look(self.part.system, self._record.states[0].t, self._aim.t_end)
-        self._restless, self._jumps = found.restless, np.union1d(self._jumps, found.times)
-        self.method.jumps = self._work.jumps = self._jumps
+        self._restless = found.restless
+        if found.times.size:
+            self.method.jumps = self._work.jumps = self._jumps = np.union1d(self._jumps, found.times)
 
     def _begun(self) -> tuple[Any, Any]:
         """The state to step from, and the pace."""

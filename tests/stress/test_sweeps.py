@@ -11,8 +11,6 @@ from benchmarks.stress.families import FAMILIES
 from benchmarks.stress.family import REFUSED, RIGHT, SILENT, Family, judged, peer_judged, reach
 
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::DeprecationWarning")]
-BLIND = ("pulse, undeclared",)
-"""Families in which a wrong result cannot be told from a right one: what a function does between two evaluations nobody sees."""
 
 
 @pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.name)
@@ -21,7 +19,7 @@ def test_right_where_wanted_and_never_silent(family: Family) -> None:
     wrong = {level: verdict for level, verdict in found.items() if level in family.wanted and verdict.kind != RIGHT}
     assert not wrong
     silent = {level: verdict for level, verdict in found.items() if verdict.kind == SILENT}
-    assert not silent or family.name in BLIND
+    assert not silent
     for verdict in found.values():
         if verdict.kind == REFUSED:
             assert re.search(r"t = |expected .* found ", verdict.said), verdict.said

@@ -182,7 +182,8 @@ FAMILIES = (
            wanted=powers(-9, -1, 2)),
     Family("jump, undeclared", "force [N] that a plain function switches on", "momentum", powers(-3, 12), 1.0, 1e-3, undeclared_jump, quick=(1.0,),
            wanted=powers(-3, 6)),
-    Family("pulse, undeclared", "width [s] of an impulse in a plain function", "momentum", powers(-6, -1), 0.1, 1e-3, undeclared_pulse,
-           quick=(1e-3,), wanted=powers(-3, -1),
-           note="a run looks for jumps at 2048 times; pulses that are shorter than these are apart nobody can see: declare them with mbd.piecewise"),
+    Family("pulse, undeclared", "width [s] of an impulse in a plain function", "momentum", (1e-15, *powers(-13, -3, 2), 0.01, 0.1), 0.1, 1e-3,
+           undeclared_pulse, quick=(1e-13, 1e-3), wanted=(*powers(-13, -3, 2), 0.01, 0.1),
+           note="a run looks at 2048 times, and where the function compares its time with numbers; a smooth bump by a formula that is narrower than "
+           "these are apart, and compares nothing, nobody can see: declare it with mbd.piecewise"),
 )  # fmt: skip
