@@ -62,6 +62,10 @@ class PlanarContinuum:
         flat, shape = (nodal * self.scale).reshape(-1, 8), (*nodal.shape[:-1], self.points)
         return flat.dot(self.by_x).view(complex).reshape(shape), flat.dot(self.by_y).view(complex).reshape(shape)
 
+    def real(self, values: Complex) -> Array:
+        """[k, 2 g] of complex [..., g], which have the layout of what they were computed from."""
+        return np.ascontiguousarray(values).reshape(-1, self.points).view(float)
+
 
 class PlanarContinuumAt:
     """The cables at configurations [...]: strains, and their first and second derivatives. x = dr/dxi, y = d2r/dxi2 [..., n, g]; bend = y / x."""
@@ -99,8 +103,8 @@ class PlanarContinuumAt:
         on_y = stress[..., 1, :] * self.bending
         on_x = (stress[..., 0, :] * (k.per_length / self.size)) * self.x
         on_x -= self.bend.conj() * on_y
-        local = on_x.reshape(-1, k.points).view(float).dot(k.by_x.T)
-        local += on_y.reshape(-1, k.points).view(float).dot(k.by_y.T)
+        local = k.real(on_x).dot(k.by_x.T)
+        local += k.real(on_y).dot(k.by_y.T)
         return local.reshape(*on_x.shape[:-1], 8) * k.scale
 
     def push(self, change: Array) -> Array:

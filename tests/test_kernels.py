@@ -149,6 +149,23 @@ def test_stages_are_the_same_as_one_at_a_time(kind: Elastic) -> None:
             assert np.max(np.abs(batched[i] - single)) <= 4e-15 * np.max(np.abs(single))
 
 
+@kinds
+@pytest.mark.parametrize("layout", ["F", "swapped"])
+def test_the_layout_of_arrays_does_not_matter(kind: Elastic, layout: str) -> None:
+    _, system, _ = kind.scene(items=(0,), damping=0.3)
+    rng = rng_of(kind)
+    q, v = (np.array(x).reshape(2, 3, -1) for x in zip(*(kind.state(rng, system) for _ in range(6))))
+    sigma = rng.standard_normal((2, 3, system.n_stresses))
+
+    def laid(x: np.ndarray) -> np.ndarray:
+        return np.asfortranarray(x) if layout == "F" else np.ascontiguousarray(x.swapaxes(0, 1)).swapaxes(0, 1)
+
+    at, other = system.strains(q), system.strains(laid(q))
+    for plain, found in ((at.value, other.value), (at.pull(sigma), other.pull(laid(sigma))), (at.push(v), other.push(laid(v)))):
+        assert np.max(np.abs(found - plain)) <= 4e-15 * np.max(np.abs(plain))
+    assert relative(internal(system, laid(q), laid(v)), internal(system, q, v)) < 4e-15
+
+
 def test_springs_between_unlike_markers_share_one_kernel() -> None:
     """Maps of different sizes are padded with zeros: same numbers but for the order of a sum."""
     scene, pair = mbd.Scene(gravity=(0, 0)), []

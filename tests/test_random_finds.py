@@ -104,3 +104,14 @@ def test_a_measured_length_is_scaled_as_a_length(unit, drive):
     assert result.audit.position_drift < 1e-11 and result.audit.velocity_drift < 1e-11
     apart = np.linalg.norm(result.position(bead.at()) - unit * np.array((0, 1.004, -1.068)), axis=-1)
     np.testing.assert_allclose(result.q[:, length.coordinate], apart, rtol=1e-10)
+
+
+def test_the_work_of_a_damper_in_one_element():
+    """Many steps of one element at once: arrays with an axis of length one may have any layout."""
+    scene = mbd.Scene(gravity=(0, 0))
+    beam = scene.add(mbd.AncfCable((0, 0), (0, 1), n_elements=1, A=9e-4, E=1.48e7, I=6.75e-8, rho=1111.0, damping=1e-3))
+    scene.add(mbd.Pin(beam.start, scene.ground.at(0, 0)))
+    assert mbd.simulate(scene, 0.25).audit.energy_error < 1e-12
+    scene.add(mbd.Force(beam.end, (1.0, 0.0)))
+    audit = mbd.simulate(scene, 0.25).audit
+    assert audit.energy_error < 1e-6 * audit.energy_scale
