@@ -7,7 +7,6 @@ from a strain kernel: ``planar_continuum.py``, ``spatial_continuum.py`` or, for 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
@@ -15,10 +14,9 @@ from numpy.typing import NDArray
 
 from mbd import validate
 from mbd.affine import Affine
-from mbd.errors import SceneError
 from mbd.fields import Count, Matrix, Number, Vector
-from mbd.marker import Marker
 
+from .lengthwise import Lengthwise
 from .local_frame import LocalFrame
 from .planar_continuum import PlanarContinuum
 from .rest_shape import arc_parameter, backward, element_lengths, spline_tangents, straight
@@ -145,26 +143,16 @@ class AncfCable:
         return Cable(self, site, rows.reshape(-1, 2), lengths, values)
 
 
-class Cable:
+class Cable(Lengthwise):
     """A cable in a scene."""
 
+    word = "cable"
+
     def __init__(self, description: AncfCable, site: Site, rows: NDArray[np.intp], lengths: Array, rest: Array):
-        self.description, self.name, self.site = description, site.name, site
-        self.rows, self.lengths, self.rest = rows, lengths, rest
-        self.length = float(lengths.sum())
+        super().__init__(description, site, lengths)
+        self.rows, self.rest = rows, rest
 
-    @cached_property
-    def start(self) -> Marker:
-        return self.at(0.0)
-
-    @cached_property
-    def end(self) -> Marker:
-        return self.at(1.0)
-
-    def at(self, s: float) -> Marker:
-        """The marker at the fraction s in [0, 1] of the reference arc length."""
-        if not 0.0 <= s <= 1.0:
-            raise SceneError([f"cable {self.name!r}: at: expected a fraction of the arc length between 0 and 1, found {s!r}; correct it"])
+    def locate(self, s: float) -> tuple[Affine, tuple[Affine, ...]]:
         ends = np.concatenate(([0.0], np.cumsum(self.lengths)))
         element = int(np.clip(np.searchsorted(ends, s * ends[-1], side="right") - 1, 0, len(self.lengths) - 1))
         length = self.lengths[element]
@@ -173,8 +161,7 @@ class Cable:
         rows, d = self.rows[element : element + 2].ravel(), self.rest.shape[-1]
         point, slope = hermite(xi) * scale, hermite_slope(xi) * scale / length
         keep, bend = point != 0.0, slope != 0.0
-        tangent = Affine.of(rows[bend], slope[bend], d)
-        return Marker(self.name, self.site.scene, Affine.of(rows[keep], point[keep], d), (tangent,), False, (s,))
+        return Affine.of(rows[keep], point[keep], d), (Affine.of(rows[bend], slope[bend], d),)
 
     def assemble(self, model: Model) -> None:
         c, n = self.description, len(self.lengths)

@@ -19,9 +19,10 @@ from numpy.typing import NDArray
 
 from mbd.affine import Affine, Array
 
+from .lengthwise import Lengthwise
 from .measure import Measure, angle_between, turn, turn_curve
 from .shapes import MASS, WEIGHT, hermite, hermite_slope
-from .straight_beam import PlacedBeam, StraightBeam, nodes_of, unit_axes
+from .straight_beam import StraightBeam, nodes_of, unit_axes
 
 if TYPE_CHECKING:
     from mbd.model import Model
@@ -45,12 +46,12 @@ class CorotationalBeam(StraightBeam):
         return CorotationalItem(self, site)
 
 
-class CorotationalItem(PlacedBeam):
+class CorotationalItem(Lengthwise):
     """A corotational beam in a scene."""
 
     def __init__(self, description: CorotationalBeam, site: Site):
         n = int(description.n_elements)
-        super().__init__(description, site, n)
+        super().__init__(description, site, description.lengths)
         lever = np.sqrt(MASS[1, 1] / MASS[0, 0]) * float(self.lengths[0])
         self.rows = nodes_of(description, site, n + 1, lever)
 

@@ -28,8 +28,9 @@ from mbd.affine import Affine, Array
 from mbd.rows import Row, cross, dot
 
 from .bending_modes import BendingModes
+from .lengthwise import Lengthwise
 from .measure import Measure
-from .straight_beam import PlacedBeam, StraightBeam
+from .straight_beam import StraightBeam
 
 if TYPE_CHECKING:
     from mbd.model import Model
@@ -73,12 +74,12 @@ class FloatingFrameBeam(StraightBeam):
         return FloatingFrameItem(self, site)
 
 
-class FloatingFrameItem(PlacedBeam):
+class FloatingFrameItem(Lengthwise):
     """A floating-frame beam in a scene; rows: origin, axis, modes, then the three vectors of shortening, if any."""
 
     def __init__(self, description: FloatingFrameBeam, site: Site):
         b = description
-        super().__init__(b, site, int(b.n_elements))
+        super().__init__(b, site, b.lengths)
         self.modes = BendingModes(int(b.n_elements), b.modes)
         count = self.modes.stiffness.size
         more = len(SHORTENINGS) * b.stiffening

@@ -22,9 +22,10 @@ from numpy.typing import NDArray
 from mbd.affine import Affine, Array
 from mbd.fields import Number
 
+from .lengthwise import Lengthwise
 from .measure import Measure, angle_between, turn, turn_curve
 from .shapes import gauss
-from .straight_beam import PlacedBeam, StraightBeam, nodes_of, unit_axes
+from .straight_beam import StraightBeam, nodes_of, unit_axes
 
 if TYPE_CHECKING:
     from mbd.model import Model
@@ -81,12 +82,12 @@ class GeometricallyExactBeam(StraightBeam):
         return GeometricallyExactItem(self, site)
 
 
-class GeometricallyExactItem(PlacedBeam):
+class GeometricallyExactItem(Lengthwise):
     """A geometrically exact beam in a scene."""
 
     def __init__(self, description: GeometricallyExactBeam, site: Site):
         b, n = description, int(description.n_elements)
-        super().__init__(b, site, n)
+        super().__init__(b, site, b.lengths)
         line = float(b.rho * b.A)
         self.rotary = float(b.rho * b.I if b.rotary_inertia is None else b.rotary_inertia)
         self.rows = nodes_of(b, site, DEGREE * n + 1, np.sqrt(self.rotary / line))

@@ -1,4 +1,4 @@
-"""What the planar beams beside ``AncfCable`` share: their arguments and checks, their markers, nodes with an axis.
+"""What the planar beams beside ``AncfCable`` share: their arguments and checks, nodes with an axis.
 
 A node is a position and a director of unit length, as a small rigid body has them: its angle is the director's, it can turn any
 number of times, and points and axes stay affine in the coordinates, so that every joint and load takes them.
@@ -7,17 +7,14 @@ number of times, and points and axes stay affine in the coordinates, so that eve
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mbd import validate
 from mbd.affine import Affine
-from mbd.errors import SceneError
 from mbd.fields import Count, Number, Vector
-from mbd.marker import Marker
 from mbd.rows import dot
 
 if TYPE_CHECKING:
@@ -66,37 +63,14 @@ class StraightBeam:
         return float(np.linalg.norm(self.end - self.start))
 
     @property
+    def lengths(self) -> Array:
+        """[n_elements]: all equal."""
+        return np.full(int(self.n_elements), self.length / int(self.n_elements))
+
+    @property
     def direction(self) -> Array:
         """[2]: unit vector from start to end."""
         return (self.end - self.start) / self.length
-
-
-class PlacedBeam:
-    """A beam in a scene: markers by the fraction of its length, and how many pieces a picture draws."""
-
-    def __init__(self, description: Any, site: Site, pieces: int):
-        self.description, self.name, self.site = description, site.name, site
-        self.length = float(description.length)
-        self.lengths = np.full(pieces, self.length / pieces)
-
-    @cached_property
-    def start(self) -> Marker:
-        return self.at(0.0)
-
-    @cached_property
-    def end(self) -> Marker:
-        return self.at(1.0)
-
-    def at(self, s: float) -> Marker:
-        """The marker at the fraction s in [0, 1] of the length."""
-        if not 0.0 <= s <= 1.0:
-            raise SceneError([f"beam {self.name!r}: at: expected a fraction of the length between 0 and 1, found {s!r}; correct it"])
-        point, axes = self.locate(s)
-        return Marker(self.name, self.site.scene, point, axes, False, (s,))
-
-    def locate(self, s: float) -> tuple[Affine, tuple[Affine, ...]]:
-        """The point at s and the axis there, where there is one."""
-        raise NotImplementedError
 
 
 def nodes_of(beam: StraightBeam, site: Site, count: int, lever: float) -> NDArray[np.intp]:

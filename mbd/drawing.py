@@ -19,10 +19,9 @@ import numpy as np
 
 from .affine import Affine, Array
 from .drawn import DRAWN
-from .elements.ancf_cable import Cable
+from .elements.lengthwise import Lengthwise
 from .elements.particle import PlacedParticle
 from .elements.rigid import Body
-from .elements.straight_beam import PlacedBeam
 from .joints.lines import fixed_axis
 from .marker import Marker
 
@@ -78,7 +77,7 @@ class Drawing:
         return np.stack([point.rate(v) for point in self.points], axis=1) if self.points else np.zeros((len(v), 0, self.scene.dimension))
 
     def _draw(self, item: Any) -> None:
-        if isinstance(item, Cable | PlacedBeam):
+        if isinstance(item, Lengthwise):
             self.add(item.name, "beam", _curve(item, self.fine))
         elif isinstance(item, Body):
             self._body(item)
@@ -136,7 +135,7 @@ class Drawing:
             self.add(name, "disc", [marker.point, *(marker.point + spoke.scaled(turn) for turn in ROUND)])
 
 
-def _curve(beam: Cable | PlacedBeam, fine: int) -> Line:
+def _curve(beam: Lengthwise, fine: int) -> Line:
     n = len(beam.lengths)
     ends = np.concatenate(([0.0], np.cumsum(beam.lengths))) / beam.lengths.sum()
     points = max(2, min(24, fine // n))
