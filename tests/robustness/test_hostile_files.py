@@ -77,7 +77,7 @@ def changed_head(head: Any, draw: random.Random) -> Any:
     for _ in range(draw.randint(1, 3)):
         path = draw.choice(places(head)[1:] or [()])
         if not path:
-            return draw.choice(VALUES)
+            return copy.deepcopy(draw.choice(VALUES))
         holder = head
         for key in path[:-1]:
             holder = holder[key]
@@ -89,7 +89,7 @@ def changed_head(head: Any, draw: random.Random) -> Any:
         elif act == 2:
             holder[path[-1]] = [holder[path[-1]]]
         else:
-            holder[path[-1]] = draw.choice(VALUES)
+            holder[path[-1]] = copy.deepcopy(draw.choice(VALUES))
     return head
 
 
