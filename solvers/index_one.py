@@ -28,19 +28,33 @@ DENSE_UP_TO, DENSEST = 40, 300
 """Equations up to which S is factorised dense whatever its pattern, and, where it has no band (a star), at all."""
 
 
+class Places(Protocol):
+    """Room for several states w [k, 2, width] with accelerations [k, width] and ``multipliers`` [k, m].
+
+    rates  finds the accelerations and multipliers of one state
+    land   moves it to the joints before; raises Inconsistent where it finds none near
+    check  raises Singular where some of the states were nearly singular, if the others did not
+    """
+
+    multipliers: Array
+
+    def rates(self, system: System, place: int, t: float) -> None: ...
+    def land(self, system: System, place: int, t: float) -> None: ...
+    def check(self, places: slice) -> None: ...
+
+
 class Form(Protocol):
-    """A system for an explicit method: states w [2, ...], positions and velocities in the form's own coordinates; see ``Reduced``.
+    """A system for an explicit method: states w [2, width], positions and velocities in the form's own coordinates; see ``Reduced``.
     ``m``: how many multipliers it finds."""
 
-    shape: tuple[int, int]
+    width: int
     m: int
 
     def enter(self, q: Array, v: Array) -> Array: ...
     def leave(self, w: Array) -> tuple[Array, Array]: ...
-    def lengths(self, dw: Array) -> Array: ...
+    def lengths(self, rows: Array) -> Array: ...
     def all_rows(self, multipliers: Array) -> Array: ...
-    def rates(self, system: System, w: Array, t: float, out: Array) -> Array: ...
-    def land(self, system: System, w: Array, t: float, out: Array) -> Array: ...
+    def places(self, w: Array, accelerations: Array) -> Places: ...
 
 
 def index_one(system: System, linear: Linear) -> Form:
@@ -58,39 +72,65 @@ class Whole:
     """What both forms share whose states are w = (q, v) [2, n]."""
 
     def __init__(self, system: System, linear: Linear):
-        self.linear, self.levers, self.shape, self.m = linear, system.levers, (2, system.n), system.m
+        self.linear, self.levers, self.width, self.m = linear, system.levers, system.n, system.m
 
     def enter(self, q: Array, v: Array) -> Array:
         return np.stack((q, v))
 
     def leave(self, w: Array) -> tuple[Array, Array]:
-        return w[..., 0, :], w[..., 1, :]
+        return w[..., 0, :].copy(), w[..., 1, :].copy()
 
-    def lengths(self, dw: Array) -> Array:
-        """[..., 2]: the largest changes of positions [m] and of velocities [m/s] that dw [..., 2, n] stands for."""
-        return np.max(np.abs(dw) * self.levers, axis=-1, initial=0.0)
+    def lengths(self, rows: Array) -> Array:
+        """[...]: the largest change of position [m] that each of the rows [..., n] stands for."""
+        return np.max(np.abs(rows) * self.levers, axis=-1, initial=0.0)
 
     def all_rows(self, multipliers: Array) -> Array:
         return multipliers
+
+    def places(self, w: Array, accelerations: Array) -> Each:
+        return Each(self, w, accelerations)
+
+    def rates(self, system: System, w: Array, t: float) -> tuple[Array, Array]:
+        """Accelerations [n] and multipliers [m]. Raises Singular where equations depend on each other."""
+        raise NotImplementedError
+
+    def land(self, system: System, w: Array, t: float) -> tuple[Array, Array]:
+        """Moves w to the joints, in place, and goes on as ``rates``; raises Inconsistent where it finds none near."""
+        raise NotImplementedError
+
+
+class Each:
+    """Places that share nothing."""
+
+    def __init__(self, form: Whole, w: Array, accelerations: Array):
+        self._form, self._w, self._accelerations = form, w, accelerations
+        self.multipliers = np.empty((len(w), form.m))
+
+    def rates(self, system: System, place: int, t: float) -> None:
+        self._accelerations[place], self.multipliers[place] = self._form.rates(system, self._w[place], t)
+
+    def land(self, system: System, place: int, t: float) -> None:
+        self._accelerations[place], self.multipliers[place] = self._form.land(system, self._w[place], t)
+
+    def check(self, places: slice) -> None:
+        """Each state is checked by itself."""
 
 
 class Kkt(Whole):
     """Through the KKT matrix of the mass: any system."""
 
-    def rates(self, system: System, w: Array, t: float, out: Array) -> Array:
-        """dw/dt into ``out``; returns the multipliers [m]. Raises Singular where equations depend on each other."""
-        out[0] = w[1]
-        out[1], multipliers = accelerations(system, mass_factor(system, self.linear, w[0]), w[0], w[1], system.inputs(t))
-        return multipliers
+    def rates(self, system: System, w: Array, t: float) -> tuple[Array, Array]:
+        """Accelerations [n] and multipliers [m]. Raises Singular where equations depend on each other."""
+        return accelerations(system, mass_factor(system, self.linear, w[0]), w[0], w[1], system.inputs(t))
 
-    def land(self, system: System, w: Array, t: float, out: Array) -> Array:
+    def land(self, system: System, w: Array, t: float) -> tuple[Array, Array]:
         """Moves w to the joints, in place, and goes on as ``rates``; raises Inconsistent where it finds none near."""
         if system.m:
             goal = targets(system.inputs(t))
             factor = mass_factor(system, self.linear, w[0])
             w[0] = project_positions(system, self.linear, w[0], goal.value, factor=factor, sweeps=8)
             w[1] = project_velocities(system, factor, w[0], w[1], goal.rate)
-        return self.rates(system, w, t, out)
+        return self.rates(system, w, t)
 
 
 class Normal(Whole):
@@ -123,12 +163,12 @@ class Normal(Whole):
         self.alike = self._alike(np.isin(joints.rows, joints.slips)) if joints.slips.size else None
         self.order = order
 
-    def rates(self, system: System, w: Array, t: float, out: Array) -> Array:
-        """dw/dt into ``out``; returns the multipliers [m]. Raises Singular where S nearly is."""
+    def rates(self, system: System, w: Array, t: float) -> tuple[Array, Array]:
+        """Accelerations [n] and multipliers [m]. Raises Singular where S nearly is."""
         joints = system.joints.at(w[0])
-        return self._finish(system, w, t, joints, self._factor(joints), out)
+        return self._finish(system, w, t, joints, self._factor(joints))
 
-    def land(self, system: System, w: Array, t: float, out: Array) -> Array:
+    def land(self, system: System, w: Array, t: float) -> tuple[Array, Array]:
         """Moves w to the joints, in place, and goes on as ``rates``; raises Inconsistent where it finds none near."""
         goal, start = targets(system.inputs(t)), system.joints.at(w[0])
         near = self._factor(start, self.alike)
@@ -140,14 +180,13 @@ class Normal(Whole):
         joints = system.joints.at(w[0])
         factor = self._factor(joints)
         w[1] -= self.inverse * joints.pull(self._solve(factor, joints.push(w[1]) - goal.rate))
-        return self._finish(system, w, t, joints, factor, out)
+        return self._finish(system, w, t, joints, factor)
 
-    def _finish(self, system: System, w: Array, t: float, joints: JointsAt, factor: Array, out: Array) -> Array:
+    def _finish(self, system: System, w: Array, t: float, joints: JointsAt, factor: Array) -> tuple[Array, Array]:
         inputs = system.inputs(t)
         free = self.inverse * system.force(w[0], w[1], inputs)
         multipliers = self._solve(factor, joints.push(free) + joints.bias(w[1]) - targets(inputs).acceleration)
-        out[0], out[1] = w[1], free - self.inverse * joints.pull(multipliers)
-        return multipliers
+        return free - self.inverse * joints.pull(multipliers), multipliers
 
     def _alike(self, slips: NDArray[np.bool_]) -> Array:
         """1 for the pairs within positions' equations and within nonholonomic ones, 0 for the others: what keeps projections apart."""
@@ -159,14 +198,14 @@ class Normal(Whole):
         pairs = scaled[self.left] * scaled[self.right]
         values = np.bincount(self.slots, pairs if weights is None else pairs * weights, minlength=self.size)
         buffer = values.reshape(-1, self.height).T
-        sizes = (buffer[0] if self.band else buffer.diagonal()).tolist()
+        sizes = (buffer[0] if self.band else buffer.diagonal()).copy()
         if self.band:
             factor, info = lapack.dpbtrf(buffer, lower=1, overwrite_ab=1)
             pivots = factor[0]
         else:
             factor, info = lapack.dpotrf(buffer, lower=1, clean=0, overwrite_a=1)
             pivots = factor.diagonal()
-        if info or not independent(pivots.tolist(), sizes):
+        if info or not independent(pivots, sizes):
             raise Singular("joints in a nearly singular position")
         return factor
 

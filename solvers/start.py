@@ -9,6 +9,7 @@ Driven equations are gamma(q) = c(t): projections take the values of c and c' th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -99,10 +100,10 @@ def settle(x: Array, gap: Callable[[Array], Array], correction: Callable[[Array]
     best = np.inf
     for _ in range(sweeps):
         distance = gap(x)
-        worst = float(np.max(np.abs(distance) * reach, initial=0.0))
+        worst = float(np.maximum.reduce(np.abs(distance * reach), initial=0.0))
         if worst <= floor or (worst <= 100.0 * floor and worst >= best):
             return x
-        if not np.isfinite(worst):
+        if not math.isfinite(worst):
             break
         best = min(best, worst)
         x = x - correction(distance)
