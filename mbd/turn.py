@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .affine import Affine, Array
-from .constraint import Quadratic
+from .constraint import At, Quadratic
 from .rows import dot
 from .scatter import Scatter
 
@@ -40,7 +40,7 @@ class _Posture(NamedTuple):
     cosine: Array
     aligned: Array  # C and S [..., 2 m]
     gradient: Array  # of C and S
-    z: Array
+    z: At
 
 
 class Turn:

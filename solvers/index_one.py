@@ -156,11 +156,17 @@ class Normal(Whole):
         self.band = system.m > DENSE_UP_TO and 3 * self.half < system.m
         i, j = self.place[rows], self.place[cols]
         lower = i >= j
-        self.left, self.right = left[lower], right[lower]
+        left, right = left[lower], right[lower]
         self.height = self.half + 1 if self.band else system.m
-        self.slots = (j * self.height + (i - j if self.band else i))[lower]
+        slots = (j * self.height + (i - j if self.band else i))[lower]
         self.size = system.m * self.height
-        self.alike = self._alike(np.isin(joints.rows, joints.slips)) if joints.slips.size else None
+        slips = np.isin(joints.rows, joints.slips)
+        alike = (slips[left] == slips[right]).astype(float)  # 0 for pairs of a position's equation and a nonholonomic one
+        constant = (joints.constant_rows[joints.rows[left]]) & (joints.constant_rows[joints.rows[right]])
+        self.left, self.right, self.slots, self.alike = left[~constant], right[~constant], slots[~constant], alike[~constant]
+        scaled = joints.at(linear.origin).gradient * self.root
+        pairs = (scaled[left] * scaled[right])[constant]
+        self.fixed = [np.bincount(slots[constant], pairs * weights, minlength=self.size) for weights in (1.0, alike[constant])]
         self.order = order
 
     def rates(self, system: System, w: Array, t: float) -> tuple[Array, Array]:
@@ -171,7 +177,7 @@ class Normal(Whole):
     def land(self, system: System, w: Array, t: float) -> tuple[Array, Array]:
         """Moves w to the joints, in place, and goes on as ``rates``; raises Inconsistent where it finds none near."""
         goal, start = targets(system.inputs(t)), system.joints.at(w[0])
-        near = self._factor(start, self.alike)
+        near = self._factor(start, apart=bool(system.joints.slips.size))
 
         def correction(gap: Array) -> Array:
             return self.inverse * start.pull(self._solve(near, gap))
@@ -188,15 +194,12 @@ class Normal(Whole):
         multipliers = self._solve(factor, joints.push(free) + joints.bias(w[1]) - targets(inputs).acceleration)
         return free - self.inverse * joints.pull(multipliers), multipliers
 
-    def _alike(self, slips: NDArray[np.bool_]) -> Array:
-        """1 for the pairs within positions' equations and within nonholonomic ones, 0 for the others: what keeps projections apart."""
-        return (slips[self.left] == slips[self.right]).astype(float)
-
-    def _factor(self, joints: JointsAt, weights: Array | None = None) -> Array:
-        """The Cholesky factor of S, its pairs of entries weighted. Raises Singular."""
+    def _factor(self, joints: JointsAt, apart: bool = False) -> Array:
+        """The Cholesky factor of S; ``apart``: without what couples positions' equations with nonholonomic ones. Raises Singular."""
         scaled = joints.gradient * self.root
-        pairs = scaled[self.left] * scaled[self.right]
-        values = np.bincount(self.slots, pairs if weights is None else pairs * weights, minlength=self.size)
+        pairs = scaled.take(self.left) * scaled.take(self.right)
+        values = np.bincount(self.slots, pairs * self.alike if apart else pairs, minlength=self.size)
+        values += self.fixed[apart]
         buffer = values.reshape(-1, self.height).T
         sizes = (buffer[0] if self.band else buffer.diagonal()).copy()
         if self.band:
@@ -211,7 +214,7 @@ class Normal(Whole):
 
     def _solve(self, factor: Array, right: Array) -> Array:
         solve = lapack.dpbtrs if self.band else lapack.dpotrs
-        return solve(factor, right[self.order], lower=1)[0][self.place]
+        return solve(factor, right.take(self.order), lower=1, overwrite_b=1)[0].take(self.place)
 
 
 def _pairs(columns: Index, rows: Index) -> tuple[Index, Index]:

@@ -83,7 +83,7 @@ def _explicit(method: Any, system: System, linear: Linear, of: _Checked) -> Any:
 def _switching(method: Any, system: System, linear: Linear, of: _Checked) -> Any:
     explicit = bool(of.number("explicit"))
     inner = unpacked(method.explicit if explicit else method.implicit, system, linear, of.within("inner"))
-    return automatic.Memory(explicit, inner, of.number("left"), int(of.number("alarms")))
+    return automatic.Memory(explicit, inner, bool(of.number("stiff")), int(of.number("alarms")))
 
 
 _MEMORIES: dict[type, Any] = {
