@@ -14,7 +14,6 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from .formats import Singular
@@ -31,9 +30,9 @@ DENSE_UP_TO, DENSEST = 40, 300
 class Places(Protocol):
     """Room for several states w [k, 2, width] with accelerations [k, width] and ``multipliers`` [k, m].
 
-    rates  finds the accelerations and multipliers of one state
+    rates  finds the accelerations and multipliers of one state; raises Singular
     land   moves it to the joints before; raises Inconsistent where it finds none near
-    check  raises Singular where some of the states were nearly singular, if the others did not
+    check  raises Singular where some of the states are nearly singular, if ``rates`` and ``land`` did not
     """
 
     multipliers: Array

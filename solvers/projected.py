@@ -17,7 +17,7 @@ from .dop853 import NODES, WEIGHTS
 from .formats import Singular
 from .index_one import Form, index_one
 from .linear import Linear
-from .nystrom import END, ERRORS, STAGES, combinations
+from .nystrom import END, STAGES, combinations
 from .protocol import Attempt, State
 from .start import Inconsistent
 from .system import Array, System
@@ -51,12 +51,12 @@ class Memory(NamedTuple):
     stiffness: float = 0.0
 
 
-_BETWEEN, _AT_END = slice(1, END), slice(END, END + 1)
+_BETWEEN, _AT_END, _ALL = slice(1, END), slice(END, END + 1), slice(1, END + 1)
 
 
 class Bench:
-    """A form of a system, and room for one step: its states at stages and end [stages + 1, 2, ...], and rows of position and velocity at its start
-    and the accelerations of all states [3 + stages, ...], of which states are sums."""
+    """A form of a system, and room for one step: its states at stages and end [stages + 1, 2, ...], and rows of position and velocity at its
+    start and the accelerations of all states [3 + stages, ...], of which states are sums."""
 
     def __init__(self, linear: Linear, form: Form):
         self.linear, self.form = linear, form
@@ -68,7 +68,8 @@ class Bench:
         self._plan = [(self._sums[i, :, : i + 2], self.rows[: i + 2], self.states[i], i, float(NODES[i])) for i in range(1, STAGES)]
 
     def step(self, system: System, memory: Memory, t: float, h: float) -> Array:
-        """[3, 2, ...]: the state at the end, before it is moved to the joints, and two estimates of its error, velocities times h. Raises Singular."""
+        """[3, 2, ...]: the state at the end, not yet moved to the joints, and two estimates of its error, velocities times h. Raises Singular
+        where a state is; nearly singular ones show in a check."""
         combinations(h, self._sums)
         self.states[0] = self.rows[:2] = memory.w
         self.rows[2], self.places.multipliers[0] = memory.acceleration, memory.multipliers
@@ -79,16 +80,17 @@ class Bench:
         return self._ends.dot(self._table).reshape(3, 2, -1)
 
     def remembered(self, system: System, t: float, w: Array) -> Memory:
-        """A state."""
+        """Of a state to start from. Raises Singular."""
         self.states[END] = w
         self.places.rates(system, END, t)
         self.places.check(_AT_END)
         return self._end()
 
     def landed(self, system: System, t: float, w: Array) -> Memory:
-        """A state, moved to the joints."""
+        """The end of the last step, moved to the joints. Raises Inconsistent where there are none near, and Singular."""
         self.states[END] = w
         self.places.land(system, END, t)
+        self.places.check(_ALL)
         return self._end()
 
     def _end(self) -> Memory:
@@ -131,9 +133,9 @@ class ProjectedExplicit:
             memory = self._remembered(system, bench, state)
             end = bench.step(system, memory, state.t, h)
             error = _size(bench.form, end[1:]) / (STRICT * min(tolerance, linear.coarsest))
-            if not 1.0 < error < OBVIOUS:
-                bench.places.check(_BETWEEN)
             if not error <= 1.0:
+                if not error < OBVIOUS:
+                    bench.places.check(_BETWEEN)
                 return Attempt(state, error if np.isfinite(error) else 1e8, 8.0, 0.0, 0)
             after = bench.landed(system, state.t + h, end[0])
         except (Singular, Inconsistent) as trouble:
@@ -146,7 +148,8 @@ class ProjectedExplicit:
         end = q[END].copy(), v[END].copy()
         stress = system.stress(system.strains(end[0]), end[1]) if system.n_stresses else np.zeros(0)
         there = State(state.t + h, *end, form.all_rows(after.multipliers), stress, after)
-        return Attempt(there, error, 8.0, 0.0, STAGES, nodes=nodes, multipliers=form.all_rows(bench.places.multipliers[:END]) if system.driven else None)
+        multipliers = form.all_rows(bench.places.multipliers[:END]) if system.driven else None
+        return Attempt(there, error, 8.0, 0.0, STAGES, nodes=nodes, multipliers=multipliers)
 
     def _bench(self, system: System, linear: Linear) -> Bench:
         bench = self._prepared.bench
@@ -167,7 +170,6 @@ class ProjectedExplicit:
             start = self._remembered(system, bench, before)
             for k, t in enumerate(times.tolist()):
                 end = bench.step(system, start, before.t, t - before.t)
-                bench.places.check(_BETWEEN)
                 q[k], v[k] = bench.form.leave(bench.landed(system, t, end[0]).w)
         except (Singular, Inconsistent) as trouble:
             raise ArithmeticError(f"no interpolation at {t:.9g} s: the joints are in a nearly singular position ({trouble})") from None

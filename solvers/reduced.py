@@ -114,7 +114,7 @@ class Reduced:
 
     def lengths(self, rows: Array) -> Array:
         """[...]: the largest change of position [m] that each of the rows [..., k + 1] stands for."""
-        return np.abs(rows @ self._levers).max(axis=-1)
+        return np.maximum.reduce(np.abs(rows.dot(self._levers)), axis=-1)
 
     def all_rows(self, multipliers: Array) -> Array:
         """[..., rows] of those of the quadratic rows; zero for the others, which no motion needs."""
@@ -148,8 +148,8 @@ class Reduced:
 
 
 class Place(NamedTuple):
-    """Views of one of several places. ``load`` and ``gradient`` are the rows of ``pull``, and these and ``turning`` parts of ``product``, all with the
-    sign -; ``weights`` is -1 and the ``multipliers``."""
+    """Views of one of several places. ``load`` and ``gradient`` are the rows of ``pull``, and these and ``turning`` parts of ``product``, all with
+    the sign -; ``weights`` is -1 and the ``multipliers``."""
 
     w: Array
     u: Array
@@ -196,20 +196,17 @@ class Places:
 
     def land(self, system: System, place: int, t: float) -> None:
         """Moves a state to the joints and goes on as ``rates``. Raises Inconsistent where it finds none near."""
-        form = self.form
-        w, u, product, load, gradient, turning, pull, square, weights, multipliers, acceleration = self._places[place]
+        form, at = self.form, self._places[place]
         if form.m:
-            z, (goal, speed) = w[0, :-1], form.goals(system, t)
-            self._factor(place)
-            z[:] = settle(z, lambda z: form.gap(z) - goal, lambda gap: -_solve(square, gap).dot(gradient), form.reach, form.floor)
-            self._factor(place)
-            u -= _solve(square, gradient.dot(u) + speed).dot(gradient)
+            z, (goal, speed) = at.w[0, :-1], form.goals(system, t)
+            self._factor(at)
+            z[:] = settle(z, lambda z: form.gap(z) - goal, lambda gap: -_solve(at, gap), form.reach, form.floor)
+            self._factor(at)
+            at.u[:] -= _solve(at, at.gradient.dot(at.u) + speed)
         self.rates(system, place, t)
-        self.check(slice(place, place + 1))
 
-    def _factor(self, place: int) -> None:
+    def _factor(self, at: Place) -> None:
         """The Cholesky factor of G G' in ``square``; raises Singular."""
-        at = self._places[place]
         np.dot(at.w, self.form.tensor, at.product)
         np.dot(at.gradient, at.gradient.T, at.square)
         if lapack.dpotrf(at.square.T, 1, 0, 1)[1]:
@@ -222,8 +219,9 @@ class Places:
             raise Singular("joints in a nearly singular position")
 
 
-def _solve(square: Array, right: Array) -> Array:
-    return lapack.dpotrs(square.T, right, 1)[0]
+def _solve(at: Place, right: Array) -> Array:
+    """The least change of the coordinates for which -G times it is ``right``, where the factor is that of ``_factor``."""
+    return lapack.dpotrs(at.square.T, right, 1)[0].dot(at.gradient)
 
 
 def independent(pivots: Array, sizes: Array) -> bool:

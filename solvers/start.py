@@ -96,11 +96,11 @@ def project_positions(
 
 
 def settle(x: Array, gap: Callable[[Array], Array], correction: Callable[[Array], Array], reach: Array, floor: float, *, sweeps: int = 8) -> Array:
-    """x with gap(x) = 0 to the length ``floor``, from nearby: x - correction(gap) again and again. Raises Inconsistent."""
+    """x with gap(x) = 0 [m], m > 0, to the length ``floor``, from nearby: x - correction(gap) again and again. Raises Inconsistent."""
     best = np.inf
     for _ in range(sweeps):
         distance = gap(x)
-        worst = float(np.maximum.reduce(np.abs(distance * reach), initial=0.0))
+        worst = float(np.maximum.reduce(np.abs(distance * reach)))
         if worst <= floor or (worst <= 100.0 * floor and worst >= best):
             return x
         if not math.isfinite(worst):
