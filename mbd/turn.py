@@ -58,7 +58,6 @@ class Turn:
         self.curvature_rows = np.concatenate((inner.curvature_rows, inner.cols, phi[self.owner], phi))
         self.curvature_cols = np.concatenate((inner.curvature_cols, phi[self.owner], inner.cols, phi))
         self.linear = False
-        self.constant_rows = np.zeros(self.m, dtype=bool)
 
     def prepare(self, q: Array) -> _Posture:
         z, phi = self.inner.prepare(q), q[..., self.phi]

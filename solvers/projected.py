@@ -142,13 +142,16 @@ class ProjectedExplicit:
             return Attempt(None, np.inf, 1.0, 0.0, 0, f"singular equations ({trouble})")
         if system.n_stresses or system.damped:
             after = after._replace(stiffness=h * _fastest(bench, after))
-        form = bench.form
-        q, v = form.leave(bench.states)
-        nodes = (state.t + NODES * h, q[:END], v[:END], WEIGHTS * h)
-        end = q[END].copy(), v[END].copy()
-        stress = system.stress(system.strains(end[0]), end[1]) if system.n_stresses else np.zeros(0)
-        there = State(state.t + h, *end, form.all_rows(after.multipliers), stress, after)
-        multipliers = form.all_rows(bench.places.multipliers[:END]) if system.driven else None
+        return self._accepted(system, bench, state.t, h, after, error)
+
+    def _accepted(self, system: System, bench: Bench, t: float, h: float, after: Memory, error: float) -> Attempt:
+        all_rows = bench.form.all_rows
+        qs, vs = bench.form.leave(bench.states)
+        q, v = qs[END].copy(), vs[END].copy()  # those of the stages need not be kept with it
+        stress = system.stress(system.strains(q), v) if system.n_stresses else np.zeros(0)
+        there = State(t + h, q, v, all_rows(after.multipliers), stress, after)
+        multipliers = all_rows(bench.places.multipliers[:END]) if system.driven else None
+        nodes = (t + NODES * h, qs[:END], vs[:END], WEIGHTS * h)
         return Attempt(there, error, 8.0, 0.0, STAGES, nodes=nodes, multipliers=multipliers)
 
     def _bench(self, system: System, linear: Linear) -> Bench:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -190,3 +191,14 @@ def test_a_constant_matrix_is_factorised_once():
         run.acceleration(run.scene["rod"].end if "rod" in {item.name for item in run.scene.items} else run.scene.items[0].end)
         counts[run.stats["steps"]] = run.trajectory.linear.factorizations
     assert len(counts) == 2 and set(counts.values()) == {1}
+
+
+def test_values_between_steps_from_several_threads():
+    """What a method works in belongs to one thread."""
+    scene, *_ = machines.chain(4)
+    result = mbd.simulate(scene, 0.5, rtol=1e-8)
+    times = np.linspace(0.0, 0.5, 60)
+    alone = result.trajectory.at(times)
+    with ThreadPoolExecutor(4) as pool:
+        for found in pool.map(result.trajectory.at, [times] * 8):
+            assert np.array_equal(found, alone)
