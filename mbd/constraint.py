@@ -1,26 +1,25 @@
 """All quadratic rows of a scene in one sparse tensor.
 
     z = forms(q)                       affine scalars, one for each factor of a product
-    g_r = c_r + sum z_i z_j            value
-    G_rc = sum (z_j dz_i/dq_c + z_i dz_j/dq_c)      affine in z, with a constant sparsity pattern
-    d(G v)/dq                          the same expression with dz/dt in place of z
+    g_r = c_r + l_r q + sum z_i z_j    value
+    G_rc = l_rc + sum (z_j dz_i/dq_c + z_i dz_j/dq_c)      affine in z, with a constant sparsity pattern
+    d(G v)/dq                          the same sum with dz/dt in place of z
     v' d2g/dq2 v = sum 2 dz_i dz_j     bias of the acceleration equation
 
 Products are taken of differences of coordinates, never expanded, so that an offset of the origin costs no more digits than it must.
-Form 0 is the constant one: a linear row is the product of its form with it, and its part of G is never evaluated again.
+The linear part of G is never evaluated again.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .affine import Array, Scalar
 from .rows import Row
-
-ONE = 0
 
 
 class Segments:
@@ -34,6 +33,29 @@ class Segments:
         return values if self.trivial else np.add.reduceat(values, self.starts, axis=-1)
 
 
+class Sums:
+    """Weighted sums of coordinates: of all with the same of the sorted keys, which ``keys`` lists."""
+
+    def __init__(self, scalars: Sequence[Scalar], keys: Sequence[int], n: int):
+        sizes = np.array([scalar.columns.size for scalar in scalars], dtype=np.intp)
+        self.columns = np.concatenate([scalar.columns for scalar in scalars] or [np.zeros(0, np.intp)]) % n
+        self.coefficients = np.concatenate([scalar.coefficients for scalar in scalars] or [np.zeros(0)])
+        self.of = np.repeat(np.array(keys, dtype=np.intp), sizes)
+        self._segments = Segments(self.of)
+        self.keys = self._segments.keys
+
+    def __call__(self, q: Array) -> Array:
+        """[..., keys]."""
+        return self._segments.sum(self.coefficients * q.take(self.columns, axis=-1))
+
+
+class At(NamedTuple):
+    """Coordinates q [..., n], and the forms z [..., forms] there."""
+
+    q: Array
+    z: Array
+
+
 class Quadratic:
     """The rows [m] of all joints: values, gradients and curvatures for q [..., n]."""
 
@@ -41,40 +63,29 @@ class Quadratic:
         self.m = len(rows)
         self.constant = np.array([row.linear.constant for row in rows])
         forms: list[Scalar] = []
-        owners: list[tuple[int, int, int]] = []
+        owner: list[int] = []
+        linear: list[tuple[int, Scalar]] = []
         for r, row in enumerate(rows):
-            self._collect(r, row, forms, owners)
-        self._compile_forms(forms, n)
-        self.owner, self.left, self.right = np.array(owners, dtype=np.intp).reshape(-1, 3).T
+            self._collect(r, row, forms, owner, linear)
+        self.linear_part = Sums([scalar for _, scalar in linear], [r for r, _ in linear], n)
+        self.forms, self.offsets = Sums(forms, range(len(forms)), n), np.array([form.constant for form in forms])
+        self.first = np.concatenate(([0], np.cumsum([form.columns.size for form in forms], dtype=np.intp)))
+        self.owner, self.left, self.right = np.array(owner, dtype=np.intp), np.arange(0, len(forms), 2), np.arange(1, len(forms), 2)
         self.by_row = Segments(self.owner)
         self._compile_gradient(n)
         self._compile_curvature()
 
-    def _collect(self, r: int, row: Row, forms: list[Scalar], owners: list[tuple[int, int, int]]) -> None:
-        linear_parts = [row.linear] if row.linear.columns.size else []
+    def _collect(self, r: int, row: Row, forms: list[Scalar], owner: list[int], linear: list[tuple[int, Scalar]]) -> None:
+        """Products of which both sides vary; all else is linear, and its constant is added to that of the row."""
+        linear.append((r, row.linear))
         for x, y in row.products:
             if x.columns.size and y.columns.size:
                 forms.extend((x, y))
-                owners.append((r, len(forms) - 1, len(forms)))
-            elif x.columns.size or y.columns.size:
-                varying, fixed = (x, y) if x.columns.size else (y, x)
-                linear_parts.append(varying.scaled(fixed.constant))
-                self.constant[r] += varying.constant * fixed.constant
+                owner.append(r)
             else:
-                self.constant[r] += x.constant * y.constant
-        if linear_parts:
-            columns = np.concatenate([part.columns for part in linear_parts])
-            forms.append(Scalar(columns, np.concatenate([part.coefficients for part in linear_parts]), 0.0))
-            owners.append((r, len(forms), ONE))
-
-    def _compile_forms(self, forms: list[Scalar], n: int) -> None:
-        sizes = np.array([form.columns.size for form in forms], dtype=np.intp)
-        self.form_of = np.repeat(np.arange(1, len(forms) + 1), sizes)
-        self.columns = np.concatenate([form.columns for form in forms] or [np.zeros(0, np.intp)]) % n
-        self.coefficients = np.concatenate([form.coefficients for form in forms] or [np.zeros(0)])
-        self.offsets = np.array([form.constant for form in forms])
-        self.by_form = Segments(self.form_of)
-        self.first = np.concatenate(([0, 0], np.cumsum(sizes)))
+                varying, fixed = (x, y) if x.columns.size else (y, x)
+                linear.append((r, varying.scaled(fixed.constant)))
+                self.constant[r] += varying.constant * fixed.constant
 
     def _entries(self, form: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """All (position in ``form``, coefficient index) pairs of the given forms."""
@@ -83,31 +94,28 @@ class Quadratic:
         return position, np.arange(position.size) - np.repeat(np.cumsum(size) - size, size) + start[position]
 
     def _compile_gradient(self, n: int) -> None:
-        sides = [(self.left, self.right), (self.right, self.left)]
         parts = []
-        for varied, kept in sides:
+        for varied, kept in ((self.left, self.right), (self.right, self.left)):
             product, entry = self._entries(varied)
-            parts.append((self.owner[product], self.columns[entry], kept[product], self.coefficients[entry]))
-        row, column, factor, coefficient = (np.concatenate(part) for part in zip(*parts))
-        keys, slot = np.unique(row * n + column, return_inverse=True)
+            parts.append((self.owner[product] * n + self.forms.columns[entry], kept[product], self.forms.coefficients[entry]))
+        varying, factor, coefficient = (np.concatenate(part) for part in zip(*parts))
+        constant = self.linear_part.of * n + self.linear_part.columns
+        keys, slot = np.unique(np.concatenate((varying, constant)), return_inverse=True)
         self.rows, self.cols = keys // n, keys % n
-        constant = factor == ONE
-        self.fixed: Array = np.bincount(slot[constant], coefficient[constant], minlength=keys.size).astype(float)
-        order = np.argsort(slot[~constant], kind="stable")
-        self.gradient_factor = factor[~constant][order]
-        self.gradient_coefficient = coefficient[~constant][order]
-        self.by_slot = Segments(slot[~constant][order])
+        self.fixed: Array = np.bincount(slot[varying.size :], self.linear_part.coefficients, minlength=keys.size).astype(float)
+        order = np.argsort(slot[: varying.size], kind="stable")
+        self.gradient_factor, self.gradient_coefficient = factor[order], coefficient[order]
+        self.by_slot = Segments(slot[: varying.size][order])
+        self._offset = self.fixed[self.by_slot.keys]
 
     def _compile_curvature(self) -> None:
-        both = (self.left != ONE) & (self.right != ONE)
-        row, left, right = self.owner[both], self.left[both], self.right[both]
-        pair, i = self._entries(left)
-        again, j = self._entries(right[pair])
+        pair, i = self._entries(self.left)
+        again, j = self._entries(self.right[pair])
         i, pair = i[again], pair[again]
-        a, b, c = self.columns[i], self.columns[j], self.coefficients[i] * self.coefficients[j]
+        a, b, c = self.forms.columns[i], self.forms.columns[j], self.forms.coefficients[i] * self.forms.coefficients[j]
         self.curvature_rows, self.curvature_cols = np.concatenate((a, b)), np.concatenate((b, a))
         self.curvature_coefficient = np.concatenate((c, c))
-        self.curvature_owner = np.concatenate((row[pair], row[pair]))
+        self.curvature_owner = np.concatenate((self.owner[pair], self.owner[pair]))
 
     @property
     def linear(self) -> bool:
@@ -121,53 +129,45 @@ class Quadratic:
         constant[self.rows[self.by_slot.keys]] = False
         return constant
 
-    def prepare(self, q: Array) -> Array:
-        """z [..., 1 + forms], which the other methods take."""
-        z = np.empty((*q.shape[:-1], 1 + self.offsets.size))
-        z[..., 0] = 1.0
-        np.add(self.by_form.sum(self.coefficients * q.take(self.columns, axis=-1)), self.offsets, out=z[..., 1:])
-        return z
+    def prepare(self, q: Array) -> At:
+        """What the other methods take."""
+        return At(q, self.forms(q) + self.offsets)
 
-    def _rates(self, v: Array) -> Array:
-        """dz/dt [..., 1 + forms]."""
-        z = np.zeros((*v.shape[:-1], 1 + self.offsets.size))
-        z[..., 1:] = self.by_form.sum(self.coefficients * v.take(self.columns, axis=-1))
-        return z
-
-    def value(self, z: Array) -> Array:
+    def value(self, at: At) -> Array:
         """g [..., m]."""
-        g = np.empty((*z.shape[:-1], self.m))
+        g = np.empty((*at.q.shape[:-1], self.m))
         g[...] = self.constant
-        g[..., self.by_row.keys] += self.by_row.sum(z.take(self.left, axis=-1) * z.take(self.right, axis=-1))
+        g[..., self.linear_part.keys] += self.linear_part(at.q)
+        g[..., self.by_row.keys] += self.by_row.sum(at.z[..., ::2] * at.z[..., 1::2])
         return g
 
-    def gradient(self, z: Array) -> Array:
+    def gradient(self, at: At) -> Array:
         """Values of G [..., nnz] on the pattern (rows, cols); [nnz] where they are constant."""
         if self.linear:
             return self.fixed
-        values = np.empty((*z.shape[:-1], self.fixed.size))
+        values = np.empty((*at.q.shape[:-1], self.fixed.size))
         values[...] = self.fixed
-        values[..., self.by_slot.keys] += self._varying(z)
+        values[..., self.by_slot.keys] = self._varying(at.z) + self._offset
         return values
 
     def _varying(self, z: Array) -> Array:
         return self.by_slot.sum(self.gradient_coefficient * z.take(self.gradient_factor, axis=-1))
 
-    def swirl(self, z: Array, v: Array) -> Array:
+    def swirl(self, at: At, v: Array) -> Array:
         """Values of d(G v)/dq [..., nnz] on the pattern of G."""
         values = np.zeros((*v.shape[:-1], self.fixed.size))
         if not self.linear:
-            values[..., self.by_slot.keys] = self._varying(self._rates(v))
+            values[..., self.by_slot.keys] = self._varying(self.forms(v))
         return values
 
-    def bias(self, z: Array, v: Array) -> Array:
+    def bias(self, at: At, v: Array) -> Array:
         """v' d2g/dq2 v [..., m]."""
         out = np.zeros((*v.shape[:-1], self.m))
         if not self.linear:
-            rates = self._rates(v)
-            out[..., self.by_row.keys] = 2.0 * self.by_row.sum(rates[..., self.left] * rates[..., self.right])
+            rates = self.forms(v)
+            out[..., self.by_row.keys] = 2.0 * self.by_row.sum(rates[..., ::2] * rates[..., 1::2])
         return out
 
-    def curvature(self, z: Array, multipliers: Array) -> Array:
+    def curvature(self, at: At, multipliers: Array) -> Array:
         """Values of d(G' lambda)/dq on the pattern (curvature_rows, curvature_cols)."""
         return self.curvature_coefficient * multipliers.take(self.curvature_owner, axis=-1)

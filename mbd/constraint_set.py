@@ -61,7 +61,8 @@ class Joints:
     @property
     def constant_rows(self) -> NDArray[np.bool_]:
         """[m]: the rows whose gradient is constant and that nothing drives."""
-        found = np.concatenate([kernel.constant_rows for kernel in self.kernels] or [np.zeros(0, bool)])
+        parts = [kernel.constant_rows if isinstance(kernel, Quadratic) else np.zeros(kernel.m, bool) for kernel in self.kernels]
+        found = np.concatenate(parts or [np.zeros(0, bool)])
         for rows, _ in self.drives:
             found[rows] = False
         return found

@@ -2,8 +2,8 @@
 
 There the joints hold less than elsewhere and the mechanism could go on in another way. Between two neighbouring states the determinant of
 G(q1) W G(q2)', W a metric, stays positive unless such a position lies between: a regular motion that only comes near one does not
-change it. So it also tells a run that has left its branch across a gap finer than its tolerance. It is asked of steps of the implicit
-method, which takes all those near singular positions.
+change it. So it also tells a run that has left its branch across a gap finer than its tolerance. It is asked of all steps: an explicit one
+may leap across such a position without a stage near it.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def passages(trajectory: Trajectory) -> list[Passage]:
     system, linear, states = trajectory.part.system, trajectory.linear, trajectory.states
     if not 0 < system.m <= MOST or system.joints.linear or linear.softened:
         return []
-    steps = [(before, after) for before, after in zip(states, states[1:]) if after.method == 0]
+    steps = list(zip(states, states[1:]))
     parts = [steps[k : k + AT_ONCE] for k in range(0, len(steps), AT_ONCE)]
     turned = [step for part in parts for step, turns in zip(part, _turns(system, linear, part)) if turns]
     found = (_passage(system, linear, *step) for step in turned)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .affine import Affine, Array
-from .constraint import Quadratic
+from .constraint import At, Quadratic
 from .rows import dot
 from .scatter import Scatter
 
@@ -40,7 +40,7 @@ class _Posture(NamedTuple):
     cosine: Array
     aligned: Array  # C and S [..., 2 m]
     gradient: Array  # of C and S
-    z: Array
+    z: At
 
 
 class Turn:
@@ -58,7 +58,6 @@ class Turn:
         self.curvature_rows = np.concatenate((inner.curvature_rows, inner.cols, phi[self.owner], phi))
         self.curvature_cols = np.concatenate((inner.curvature_cols, phi[self.owner], inner.cols, phi))
         self.linear = False
-        self.constant_rows = np.zeros(self.m, dtype=bool)
 
     def prepare(self, q: Array) -> _Posture:
         z, phi = self.inner.prepare(q), q[..., self.phi]

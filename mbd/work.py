@@ -39,18 +39,19 @@ class Work:
     ``before`` is the work [k + 1] of steps done before, without those that wait."""
 
     def __init__(self, system: System, jumps: Array, before: Array | None = None, waiting: tuple[Nodes, ...] = ()):
-        self._system, self.jumps = system, jumps
+        self._system, self.jumps, self._idle = system, jumps, not system.exchanges
         self._before = np.zeros(1) if before is None else before
         self._new: list[Array] = []
         self._done, self._waiting = len(self._before) - 1, waiting
         self._size = sum(nodes.q.size for nodes in waiting)
 
     def __call__(self, attempt: Attempt) -> None:
-        assert attempt.nodes is not None or not self._system.exchanges
-        nodes = Nodes(*(attempt.nodes or (np.zeros(0),) * 4), attempt.multipliers)
-        if not self._system.exchanges:
+        if self._idle:
             self._keep(1, np.zeros(1))
-        elif not self._system.steady or self._system.driven:  # users' functions are called as time goes on, and from inside of the step
+            return
+        assert attempt.nodes is not None
+        nodes = Nodes(*attempt.nodes, attempt.multipliers)
+        if not self._system.steady or self._system.driven:  # users' functions are called as time goes on, and from inside of the step
             self._keep(1, self._evaluated((nodes,), from_inside(self._system, self.jumps, nodes.t[0], nodes.t[-1])))
         else:
             self._waiting, self._size = (*self._waiting, nodes), self._size + nodes.q.size

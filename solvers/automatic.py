@@ -1,7 +1,7 @@
 """The default: explicit where nothing is stiff, implicit where something is, and from one to the other where the scene asks for it.
 
 Beams take Radau IIA. Other systems take the projected explicit method, which hands over to Radau where their joints come near a singular
-position (bars in line) and takes over again some steps after it was passed; and for good where springs or dampers make them stiff.
+position (bars in line), step by step; and for good where springs or dampers make them stiff.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .radau import Radau, RadauIIA
 from .start import accelerations, mass_factor
 from .system import Array, Index, System
 
-IMPLICIT_STEPS = 5
+IMPLICIT_STEPS = 1
 """Steps that the implicit method takes before the explicit one is tried again."""
 
 IMPLICIT, EXPLICIT = 0, 1
@@ -51,11 +51,11 @@ def default(system: System) -> tuple[Automatic | Radau, str]:
 
 
 class Memory(NamedTuple):
-    """Who is at work, what it remembers, for how many steps the implicit method goes on, and how often stability limited the explicit one."""
+    """Who took the last step, what it remembers, whether the system is stiff, and how often stability limited the explicit method."""
 
     explicit: bool
     inner: Any
-    left: float = 0.0
+    stiff: bool = False
     alarms: int = 0
 
 
@@ -77,23 +77,24 @@ class Switching:
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:
         """One step by the method at work; where the explicit one cannot go on, by the implicit one."""
         memory = state.memory or self._opening(system, linear, state, h)
-        if memory.explicit or memory.left == 0:
+        if not memory.stiff:
             inner = memory.inner if memory.explicit else None
             attempt = self.explicit.step(system, linear, state._replace(memory=inner), h, tolerance)
             if attempt.state is not None:
                 return self._after_explicit(system, linear, attempt, attempt.state, memory.alarms)
-            state, memory = _complete(system, linear, state), Memory(False, None, IMPLICIT_STEPS)
+            if memory.explicit:
+                state, memory = _complete(system, linear, state), Memory(False, None)
         attempt = self.implicit.step(system, linear, state._replace(memory=memory.inner), h, tolerance)
         if attempt.state is None:
             return attempt
-        then = Memory(False, attempt.state.memory, max(memory.left - 1, 0))
+        then = Memory(False, attempt.state.memory, memory.stiff)
         return attempt._replace(state=attempt.state._replace(memory=then, method=IMPLICIT))
 
     def _opening(self, system: System, linear: Linear, state: State, h: float) -> Memory:
         """Who starts: the implicit method, for good, where stability would shorten the first step to less than 1 / FAR. Before that were seen from
         steps, velocities would be as wrong as errors of tiny steps may be, and dampers would dissipate what nobody put in."""
         if (system.n_stresses or system.damped) and h * _fastest_bound(system, linear, state) > FAR:
-            return Memory(False, None, np.inf)
+            return Memory(False, None, stiff=True)
         return Memory(True, None)
 
     def _after_explicit(self, system: System, linear: Linear, attempt: Attempt, after: State, alarms: int) -> Attempt:
@@ -102,9 +103,9 @@ class Switching:
             return attempt
         alarms = alarms + 1 if after.memory.stiffness > STABLE else max(alarms - 1, 0)
         if alarms < ALARMS:
-            return attempt._replace(state=after._replace(memory=Memory(True, after.memory, 0.0, alarms), method=EXPLICIT))
+            return attempt._replace(state=after._replace(memory=Memory(True, after.memory, False, alarms), method=EXPLICIT))
         done = _complete(system, linear, after)
-        return attempt._replace(state=done._replace(memory=Memory(False, None, np.inf), method=EXPLICIT))
+        return attempt._replace(state=done._replace(memory=Memory(False, None, stiff=True), method=EXPLICIT))
 
     def inside(self, system: System, linear: Linear, before: State, after: State, times: Array) -> tuple[Array, Array]:
         """q, v [n_t, n] at times within a step, as the method that took it finds them."""

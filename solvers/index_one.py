@@ -1,46 +1,51 @@
-"""The motion of a system in all its coordinates, with index-1 accelerations.
+"""The forms in which explicit methods know a system, with index-1 accelerations, and the cheapest of them.
 
-Where the mass matrix is diagonal, by the multipliers' own equations, half the size of the KKT matrix:
-
-    S lambda = G M^-1 f + v' d2g/dq2 v - c'',    S = G M^-1 G',    a = M^-1 (f - G' lambda)
-
-S is symmetric and positive definite; its entries are sums over pairs of entries of G in one column, listed once. Rigid bodies about
-their principal axes and particles have diagonal M; other systems, redundant joints and massless coordinates take the KKT matrix.
-Small systems have a cheaper form (``reduced.py``).
+Small systems move in the coordinates that their linear equations leave (``reduced.py``). Rigid bodies about their principal axes and
+particles have a diagonal mass matrix, which serves larger systems (``normal.py``); others, redundant joints and massless coordinates take
+the KKT matrix (``whole.py``).
 """
 
 from __future__ import annotations
 
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-from scipy.linalg import lapack
-
-from .formats import Singular
 from .linear import Linear
-from .ordering import half_bandwidth, reverse_cuthill_mckee
-from .reduced import independent, reduced
-from .start import accelerations, floor_of, mass_factor, project_positions, project_velocities, settle
-from .system import Array, Index, JointsAt, System, targets
+from .normal import Normal
+from .reduced import reduced
+from .system import Array, System
+from .whole import Kkt
 
-DENSE_UP_TO, DENSEST = 40, 300
-"""Equations up to which S is factorised dense whatever its pattern, and, where it has no band (a star), at all."""
+DENSEST = 300
+"""Equations up to which S is factorised dense where it has no band (a star)."""
+
+
+class Places(Protocol):
+    """Room for several states w [k, 2, width] with accelerations [k, width] and ``multipliers`` [k, m].
+
+    rates  finds the accelerations and multipliers of one state; raises Singular
+    land   moves it to the joints before; raises Inconsistent where it finds none near
+    check  raises Singular where some of the states are nearly singular, if ``rates`` and ``land`` did not
+    """
+
+    multipliers: Array
+
+    def rates(self, system: System, place: int, t: float) -> None: ...
+    def land(self, system: System, place: int, t: float) -> None: ...
+    def check(self, places: slice) -> None: ...
 
 
 class Form(Protocol):
-    """A system for an explicit method: states w [2, ...], positions and velocities in the form's own coordinates; see ``Reduced``.
+    """A system for an explicit method: states w [2, width], positions and velocities in the form's own coordinates; see ``Reduced``.
     ``m``: how many multipliers it finds."""
 
-    shape: tuple[int, int]
+    width: int
     m: int
 
     def enter(self, q: Array, v: Array) -> Array: ...
     def leave(self, w: Array) -> tuple[Array, Array]: ...
-    def lengths(self, dw: Array) -> Array: ...
+    def lengths(self, rows: Array) -> Array: ...
     def all_rows(self, multipliers: Array) -> Array: ...
-    def rates(self, system: System, w: Array, t: float, out: Array) -> Array: ...
-    def land(self, system: System, w: Array, t: float, out: Array) -> Array: ...
+    def places(self, w: Array, accelerations: Array) -> Places: ...
 
 
 def index_one(system: System, linear: Linear) -> Form:
@@ -52,135 +57,3 @@ def index_one(system: System, linear: Linear) -> Form:
         return Kkt(system, linear)
     normal = Normal(system, linear)
     return normal if normal.band or system.m <= DENSEST else Kkt(system, linear)
-
-
-class Whole:
-    """What both forms share whose states are w = (q, v) [2, n]."""
-
-    def __init__(self, system: System, linear: Linear):
-        self.linear, self.levers, self.shape, self.m = linear, system.levers, (2, system.n), system.m
-
-    def enter(self, q: Array, v: Array) -> Array:
-        return np.stack((q, v))
-
-    def leave(self, w: Array) -> tuple[Array, Array]:
-        return w[..., 0, :], w[..., 1, :]
-
-    def lengths(self, dw: Array) -> Array:
-        """[..., 2]: the largest changes of positions [m] and of velocities [m/s] that dw [..., 2, n] stands for."""
-        return np.max(np.abs(dw) * self.levers, axis=-1, initial=0.0)
-
-    def all_rows(self, multipliers: Array) -> Array:
-        return multipliers
-
-
-class Kkt(Whole):
-    """Through the KKT matrix of the mass: any system."""
-
-    def rates(self, system: System, w: Array, t: float, out: Array) -> Array:
-        """dw/dt into ``out``; returns the multipliers [m]. Raises Singular where equations depend on each other."""
-        out[0] = w[1]
-        out[1], multipliers = accelerations(system, mass_factor(system, self.linear, w[0]), w[0], w[1], system.inputs(t))
-        return multipliers
-
-    def land(self, system: System, w: Array, t: float, out: Array) -> Array:
-        """Moves w to the joints, in place, and goes on as ``rates``; raises Inconsistent where it finds none near."""
-        if system.m:
-            goal = targets(system.inputs(t))
-            factor = mass_factor(system, self.linear, w[0])
-            w[0] = project_positions(system, self.linear, w[0], goal.value, factor=factor, sweeps=8)
-            w[1] = project_velocities(system, factor, w[0], w[1], goal.rate)
-        return self.rates(system, w, t, out)
-
-
-class Normal(Whole):
-    """Through S = G M^-1 G', by Cholesky factors, dense or band."""
-
-    @staticmethod
-    def serves(system: System) -> bool:
-        """Whether there are joints, and M is diagonal and positive."""
-        lone = np.array_equal(system.mass_rows, system.mass_cols) and np.all(np.bincount(system.mass_rows, minlength=system.n) == 1)
-        return bool(system.m > 0 and lone and (system.mass_values > 0.0).all())
-
-    def __init__(self, system: System, linear: Linear):
-        super().__init__(system, linear)
-        joints = system.joints
-        self.inverse = np.empty(system.n)
-        self.inverse[system.mass_rows] = 1.0 / system.mass_values
-        self.root = np.sqrt(self.inverse)[joints.cols]
-        left, right = _pairs(joints.cols, joints.rows)
-        rows, cols = joints.rows[left], joints.rows[right]
-        order = reverse_cuthill_mckee(rows, cols, system.m)
-        self.place = np.argsort(order)
-        self.half = half_bandwidth(rows, cols, order)
-        self.band = system.m > DENSE_UP_TO and 3 * self.half < system.m
-        i, j = self.place[rows], self.place[cols]
-        lower = i >= j
-        self.left, self.right = left[lower], right[lower]
-        self.height = self.half + 1 if self.band else system.m
-        self.slots = (j * self.height + (i - j if self.band else i))[lower]
-        self.size = system.m * self.height
-        self.alike = self._alike(np.isin(joints.rows, joints.slips)) if joints.slips.size else None
-        self.order = order
-
-    def rates(self, system: System, w: Array, t: float, out: Array) -> Array:
-        """dw/dt into ``out``; returns the multipliers [m]. Raises Singular where S nearly is."""
-        joints = system.joints.at(w[0])
-        return self._finish(system, w, t, joints, self._factor(joints), out)
-
-    def land(self, system: System, w: Array, t: float, out: Array) -> Array:
-        """Moves w to the joints, in place, and goes on as ``rates``; raises Inconsistent where it finds none near."""
-        goal, start = targets(system.inputs(t)), system.joints.at(w[0])
-        near = self._factor(start, self.alike)
-
-        def correction(gap: Array) -> Array:
-            return self.inverse * start.pull(self._solve(near, gap))
-
-        w[0] = settle(w[0], lambda q: system.joints.at(q).value - goal.value, correction, self.linear.reach, floor_of(system, w[0]))
-        joints = system.joints.at(w[0])
-        factor = self._factor(joints)
-        w[1] -= self.inverse * joints.pull(self._solve(factor, joints.push(w[1]) - goal.rate))
-        return self._finish(system, w, t, joints, factor, out)
-
-    def _finish(self, system: System, w: Array, t: float, joints: JointsAt, factor: Array, out: Array) -> Array:
-        inputs = system.inputs(t)
-        free = self.inverse * system.force(w[0], w[1], inputs)
-        multipliers = self._solve(factor, joints.push(free) + joints.bias(w[1]) - targets(inputs).acceleration)
-        out[0], out[1] = w[1], free - self.inverse * joints.pull(multipliers)
-        return multipliers
-
-    def _alike(self, slips: NDArray[np.bool_]) -> Array:
-        """1 for the pairs within positions' equations and within nonholonomic ones, 0 for the others: what keeps projections apart."""
-        return (slips[self.left] == slips[self.right]).astype(float)
-
-    def _factor(self, joints: JointsAt, weights: Array | None = None) -> Array:
-        """The Cholesky factor of S, its pairs of entries weighted. Raises Singular."""
-        scaled = joints.gradient * self.root
-        pairs = scaled[self.left] * scaled[self.right]
-        values = np.bincount(self.slots, pairs if weights is None else pairs * weights, minlength=self.size)
-        buffer = values.reshape(-1, self.height).T
-        sizes = (buffer[0] if self.band else buffer.diagonal()).tolist()
-        if self.band:
-            factor, info = lapack.dpbtrf(buffer, lower=1, overwrite_ab=1)
-            pivots = factor[0]
-        else:
-            factor, info = lapack.dpotrf(buffer, lower=1, clean=0, overwrite_a=1)
-            pivots = factor.diagonal()
-        if info or not independent(pivots.tolist(), sizes):
-            raise Singular("joints in a nearly singular position")
-        return factor
-
-    def _solve(self, factor: Array, right: Array) -> Array:
-        solve = lapack.dpbtrs if self.band else lapack.dpotrs
-        return solve(factor, right[self.order], lower=1)[0][self.place]
-
-
-def _pairs(columns: Index, rows: Index) -> tuple[Index, Index]:
-    """All ordered pairs of entries that share a column."""
-    order = np.argsort(columns, kind="stable")
-    sizes = np.bincount(columns)
-    starts = np.concatenate(([0], np.cumsum(sizes)[:-1]))
-    size, start = sizes[columns[order]], starts[columns[order]]
-    left = np.repeat(order, size)
-    offset = np.arange(left.size) - np.repeat(np.cumsum(size) - size, size)
-    return left, order[np.repeat(start, size) + offset]

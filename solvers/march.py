@@ -71,7 +71,7 @@ def march(
         if tried is None:
             return
         attempt, landed, stopped = tried
-        last = watch(state, attempt._replace(state=landed))
+        last = watch(state, attempt)
         if last is not None and last.state is not None:
             attempt, landed, t_end = last, last.state, last.state.t
             record.tried(last)
@@ -91,7 +91,7 @@ def _accepted(
         if attempt.state is not None and (attempt.error <= 1.0 or method.fixed is not None):
             landed = attempt.state if stop is None else attempt.state._replace(t=stop)
             pace.accepted(landed.t, h, attempt)
-            return attempt, landed, stop is not None
+            return attempt if stop is None else attempt._replace(state=landed), landed, stop is not None
         record.refuse(attempt)
         pace.refused(h, attempt)
         if pace.exhausted(state.t):

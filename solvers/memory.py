@@ -1,7 +1,7 @@
 """What methods remember of the last step, as named arrays and back: with it a run that was broken off goes on to the last bit.
 
 A memory is a tuple of numbers, arrays and further such tuples; its leaves are named by their path. What only serves values within the last
-step (the parts of a divided one), or is made of the system (the form of an explicit method), is left out.
+step (the parts of a divided one) is left out.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .system import Array, System
 Leaves = dict[str, Array]
 
 NESTED = ("inner", "stages")
-"""Fields that may be memories themselves, and else are left out, as ``form`` is."""
+"""Fields that may be memories themselves, and else are left out."""
 
 
 def packed(memory: Any) -> Leaves:
@@ -28,7 +28,7 @@ def packed(memory: Any) -> Leaves:
     for name, value in {} if memory is None else memory._asdict().items():
         if name in NESTED:
             out |= {f"{name}.{path}": leaf for path, leaf in packed(value).items()} if hasattr(value, "_asdict") else {}
-        elif name != "form":
+        else:
             out[name] = np.array(value, dtype=float)
     return out
 
@@ -77,14 +77,13 @@ def _gauss(method: Any, system: System, linear: Linear, of: _Checked) -> Any:
 
 def _explicit(method: Any, system: System, linear: Linear, of: _Checked) -> Any:
     form = index_one(system, linear)
-    w, rate, multipliers = of("w", *form.shape), of("rate", *form.shape), of("multipliers", form.m)
-    return projected.Memory(form, w, rate, multipliers, of.number("stiffness"))
+    return projected.Memory(of("w", 2, form.width), of("acceleration", form.width), of("multipliers", form.m), of.number("stiffness"))
 
 
 def _switching(method: Any, system: System, linear: Linear, of: _Checked) -> Any:
     explicit = bool(of.number("explicit"))
     inner = unpacked(method.explicit if explicit else method.implicit, system, linear, of.within("inner"))
-    return automatic.Memory(explicit, inner, of.number("left"), int(of.number("alarms")))
+    return automatic.Memory(explicit, inner, bool(of.number("stiff")), int(of.number("alarms")))
 
 
 _MEMORIES: dict[type, Any] = {

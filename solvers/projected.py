@@ -1,29 +1,33 @@
 """Explicit Runge-Kutta of order 8 on the accelerations, projected to the joints after each step: for systems where nothing is stiff.
 
-Dormand and Prince's method (``dop853.py``) for q' = v, v' = a(q, v, t) with index-1 accelerations (``index_one.py``); positions, then
+Dormand and Prince's method (``nystrom.py``) for q'' = a(q, q', t) with index-1 accelerations (``index_one.py``); positions, then
 velocities, are projected at the end of each step. Hairer, Norsett and Wanner (1993), II.10; Eich (1993), SIAM J. Numer. Anal. 30.
 A step that comes near a singular position of the joints fails and says so: it is for an implicit method to go on (``automatic.py``).
 """
 
 from __future__ import annotations
 
+import threading
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from .dop853 import ERROR_3, ERROR_5, MATRIX, NODES, WEIGHTS
+from .dop853 import NODES, WEIGHTS
 from .formats import Singular
 from .index_one import Form, index_one
 from .linear import Linear
+from .nystrom import END, STAGES, combinations
 from .protocol import Attempt, State
 from .start import Inconsistent
 from .system import Array, System
 
-ERRORS = np.array([ERROR_5, ERROR_3])
-
 STRICT = 0.1
 """The local error aimed at, as a share of the tolerance: what steps of this size leave adds up over the long spans they cover."""
+
+OBVIOUS = 100.0
+"""Error over tolerance up to which a step is taken for too long in the first place, whatever its stages come near. Beyond, it may be a singular
+position that makes it large: shorter steps only creep up to it."""
 
 
 @dataclass(frozen=True)
@@ -36,16 +40,67 @@ class DormandPrince:
 
 
 class Memory(NamedTuple):
-    """The system in the form prepared for it, with the state, its derivative and its multipliers there.
+    """The state in the form prepared for the system, with its accelerations and multipliers.
 
     ``stiffness`` is the last step times the fastest rate seen in it, of elastic systems: near 6 stability limits steps, not accuracy.
     """
 
-    form: Form
     w: Array
-    rate: Array
+    acceleration: Array
     multipliers: Array
     stiffness: float = 0.0
+
+
+_BETWEEN, _AT_END, _ALL = slice(1, END), slice(END, END + 1), slice(1, END + 1)
+
+
+class Bench:
+    """A form of a system, and room for one step: its states at stages and end [stages + 1, 2, ...], and rows of position and velocity at its
+    start and the accelerations of all states [3 + stages, ...], of which states are sums."""
+
+    def __init__(self, linear: Linear, form: Form):
+        self.linear, self.form = linear, form
+        self.rows, self.states = np.zeros((3 + STAGES, form.width)), np.zeros((STAGES + 1, 2, form.width))
+        self.places = form.places(self.states, self.rows[2:])
+        self._table = self.rows[: 2 + STAGES]
+        self._sums = np.empty((STAGES + 3, 2, 2 + STAGES))
+        self._ends = self._sums[END:].reshape(-1, 2 + STAGES)
+        self._plan = [(self._sums[i, :, : i + 2], self.rows[: i + 2], self.states[i], i, float(NODES[i])) for i in range(1, STAGES)]
+
+    def step(self, system: System, memory: Memory, t: float, h: float) -> Array:
+        """[3, 2, ...]: the state at the end, not yet moved to the joints, and two estimates of its error, velocities times h. Raises Singular
+        where a state is; nearly singular ones show in a check."""
+        combinations(h, self._sums)
+        self.states[0] = self.rows[:2] = memory.w
+        self.rows[2], self.places.multipliers[0] = memory.acceleration, memory.multipliers
+        rates = self.places.rates
+        for weights, rows, state, place, node in self._plan:
+            np.dot(weights, rows, state)
+            rates(system, place, t + node * h)
+        return self._ends.dot(self._table).reshape(3, 2, -1)
+
+    def remembered(self, system: System, t: float, w: Array) -> Memory:
+        """Of a state to start from. Raises Singular."""
+        self.states[END] = w
+        self.places.rates(system, END, t)
+        self.places.check(_AT_END)
+        return self._end()
+
+    def landed(self, system: System, t: float, w: Array) -> Memory:
+        """The end of the last step, moved to the joints. Raises Inconsistent where there are none near, and Singular."""
+        self.states[END] = w
+        self.places.land(system, END, t)
+        self.places.check(_ALL)
+        return self._end()
+
+    def _end(self) -> Memory:
+        return Memory(self.states[END].copy(), self.rows[-1].copy(), self.places.multipliers[END].copy())
+
+
+class _Prepared(threading.local):
+    """What a method has prepared for the system asked last, in each thread its own; its making costs as much as a step."""
+
+    bench: Bench | None = None
 
 
 class ProjectedExplicit:
@@ -55,7 +110,10 @@ class ProjectedExplicit:
     fixed: float | None = None
 
     def __init__(self) -> None:
-        self._prepared: tuple[Linear, Form] | None = None  # the form of the last system asked for, whose making costs as much as a step
+        self._prepared = _Prepared()
+
+    def __reduce__(self) -> tuple[type, tuple[()]]:
+        return ProjectedExplicit, ()
 
     def first_step(self, system: System, state: State, acceleration: Array, span: float, tolerance: float) -> float:
         """A step over which velocities and accelerations move things by a modest part of the length."""
@@ -70,77 +128,66 @@ class ProjectedExplicit:
 
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:
         """One step of length h; ``tolerance`` is a length: the local error allowed in positions."""
+        bench = self._bench(system, linear)
         try:
-            memory = self._remembered(system, linear, state)
-            states, rates, multipliers = self._stages(system, memory, state.t, h)
-            error = self._error(memory.form, rates, h) / (STRICT * min(tolerance, linear.coarsest))
+            memory = self._remembered(system, bench, state)
+            end = bench.step(system, memory, state.t, h)
+            error = _size(bench.form, end[1:]) / (STRICT * min(tolerance, linear.coarsest))
             if not error <= 1.0:
+                if not error < OBVIOUS:
+                    bench.places.check(_BETWEEN)
                 return Attempt(state, error if np.isfinite(error) else 1e8, 8.0, 0.0, 0)
-            after = self._landed(system, memory, state.t + h, _end(memory, rates, h))
-            if system.n_stresses or system.damped:
-                stiffness = h * _fastest(memory.form, after.memory.w - states[-1], after.memory.rate - rates[-1])
-                after = after._replace(memory=after.memory._replace(stiffness=stiffness))
+            after = bench.landed(system, state.t + h, end[0])
         except (Singular, Inconsistent) as trouble:
             return Attempt(None, np.inf, 1.0, 0.0, 0, f"singular equations ({trouble})")
-        nodes = (state.t + NODES * h, *memory.form.leave(states), WEIGHTS * h)
-        return Attempt(after, error, 8.0, 0.0, 12, nodes=nodes, multipliers=memory.form.all_rows(multipliers))
+        if system.n_stresses or system.damped:
+            after = after._replace(stiffness=h * _fastest(bench, after))
+        return self._accepted(system, bench, state.t, h, after, error)
 
-    def _remembered(self, system: System, linear: Linear, state: State) -> Memory:
+    def _accepted(self, system: System, bench: Bench, t: float, h: float, after: Memory, error: float) -> Attempt:
+        all_rows = bench.form.all_rows
+        qs, vs = bench.form.leave(bench.states)
+        q, v = qs[END].copy(), vs[END].copy()  # those of the stages need not be kept with it
+        stress = system.stress(system.strains(q), v) if system.n_stresses else np.zeros(0)
+        there = State(t + h, q, v, all_rows(after.multipliers), stress, after)
+        multipliers = all_rows(bench.places.multipliers[:END]) if system.driven else None
+        nodes = (t + NODES * h, qs[:END], vs[:END], WEIGHTS * h)
+        return Attempt(there, error, 8.0, 0.0, STAGES, nodes=nodes, multipliers=multipliers)
+
+    def _bench(self, system: System, linear: Linear) -> Bench:
+        bench = self._prepared.bench
+        if bench is None or bench.linear is not linear:
+            bench = self._prepared.bench = Bench(linear, index_one(system, linear))
+        return bench
+
+    def _remembered(self, system: System, bench: Bench, state: State) -> Memory:
         if isinstance(state.memory, Memory):
             return state.memory
-        if self._prepared is None or self._prepared[0] is not linear:
-            self._prepared = (linear, index_one(system, linear))
-        form = self._prepared[1]
-        w, rate = form.enter(state.q, state.v), np.zeros(form.shape)
-        return Memory(form, w, rate, form.rates(system, w, state.t, rate))
-
-    def _stages(self, system: System, memory: Memory, t: float, h: float) -> tuple[Array, Array, Array]:
-        """States and their derivatives [12, 2, ...], and multipliers [12, ...], at the stages."""
-        form = memory.form
-        states, rates = np.empty((2, 12, *form.shape))
-        multipliers = np.empty((12, memory.multipliers.size))
-        states[0], rates[0], multipliers[0] = memory.w, memory.rate, memory.multipliers
-        flat, start, matrix, times = rates.reshape(12, -1), memory.w.ravel(), h * MATRIX, t + NODES * h
-        for i in range(1, 12):
-            states[i] = (start + matrix[i, :i] @ flat[:i]).reshape(form.shape)
-            multipliers[i] = form.rates(system, states[i], times[i], rates[i])
-        return states, rates, multipliers
-
-    def _error(self, form: Form, rates: Array, h: float) -> float:
-        """The estimate of Hairer, Norsett and Wanner, II.10: the embedded orders 5 and 3 together, in positions and velocities times h."""
-        lengths = form.lengths((ERRORS @ rates.reshape(12, -1)).reshape(2, *form.shape))
-        fifth, third = (h * max(position, h * velocity) for position, velocity in lengths.tolist())
-        return fifth**2 / np.sqrt(fifth**2 + 0.01 * third**2) if fifth > 0.0 else 0.0
-
-    def _landed(self, system: System, memory: Memory, t: float, w: Array) -> State:
-        """The state at the end of a step, on the joints."""
-        form, rate = memory.form, np.zeros(memory.form.shape)
-        multipliers = form.land(system, w, t, rate)
-        q, v = form.leave(w)
-        stress = system.stress(system.strains(q), v) if system.n_stresses else np.zeros(0)
-        return State(t, q, v, form.all_rows(multipliers), stress, memory._replace(w=w, rate=rate, multipliers=multipliers))
+        return bench.remembered(system, state.t, bench.form.enter(state.q, state.v))
 
     def inside(self, system: System, linear: Linear, before: State, after: State, times: Array) -> tuple[Array, Array]:
         """q, v [n_t, n] at times within a step: the ends of steps of their own from its start, as accurate as the step itself."""
         q, v = np.empty((times.size, system.n)), np.empty((times.size, system.n))
-        start = before._replace(memory=self._remembered(system, linear, before))
+        bench = self._bench(system, linear)
         try:
-            for k, t in enumerate(times):
-                h = float(t - before.t)
-                rates = self._stages(system, start.memory, before.t, h)[1]
-                q[k], v[k] = self._landed(system, start.memory, float(t), _end(start.memory, rates, h))[1:3]
+            start = self._remembered(system, bench, before)
+            for k, t in enumerate(times.tolist()):
+                end = bench.step(system, start, before.t, t - before.t)
+                q[k], v[k] = bench.form.leave(bench.landed(system, t, end[0]).w)
         except (Singular, Inconsistent) as trouble:
             raise ArithmeticError(f"no interpolation at {t:.9g} s: the joints are in a nearly singular position ({trouble})") from None
         return q, v
 
 
-def _end(memory: Memory, rates: Array, h: float) -> Array:
-    """The end of a step, before it is moved to the joints."""
-    return memory.w + (h * WEIGHTS @ rates.reshape(12, -1)).reshape(memory.w.shape)
+def _size(form: Form, errors: Array) -> float:
+    """The estimate of Hairer, Norsett and Wanner, II.10: the embedded orders 5 and 3 together, each the larger of position and velocity."""
+    fifth, third = (max(each) for each in form.lengths(errors).tolist())
+    return fifth**2 / np.sqrt(fifth**2 + 0.01 * third**2) if fifth > 0.0 else 0.0
 
 
-def _fastest(form: Form, change: Array, of_rate: Array) -> float:
-    """The rate [1/s] of what oscillates or decays fastest, from two neighbouring states: the change of acceleration over those of position
-    (oscillations) and velocity (dampers). Hairer and Wanner (1996), IV.2."""
-    (position, velocity), (_, acceleration) = form.lengths(change).tolist(), form.lengths(of_rate).tolist()
+def _fastest(bench: Bench, after: Memory) -> float:
+    """The rate [1/s] of what oscillates or decays fastest, from two neighbouring states, the last stage and the end: the change of
+    acceleration over those of position (oscillations) and velocity (dampers). Hairer and Wanner (1996), IV.2."""
+    changes = np.vstack((after.w - bench.states[END - 1], after.acceleration - bench.rows[END + 1]))
+    position, velocity, acceleration = bench.form.lengths(changes).tolist()
     return max(np.sqrt(acceleration / position) if position > 0.0 else 0.0, acceleration / velocity if velocity > 0.0 else 0.0)

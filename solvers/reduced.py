@@ -10,25 +10,21 @@ H, dense, is symmetric in its two places for coordinates. Its size sets how larg
 
 from __future__ import annotations
 
-import numpy as np
-from scipy.linalg import LinAlgError, cholesky, lapack, qr, solve_triangular
+from typing import Any
 
-from .formats import Singular
+import numpy as np
+from scipy.linalg import LinAlgError, cholesky, qr, solve_triangular
+
 from .linear import Linear
-from .start import REDUNDANT, floor_of, settle
+from .places import Places
+from .start import REDUNDANT, floor_of
 from .system import Array, Index, System, targets
 
 LARGEST = 2**15
 """Entries of H up to which dense products are faster than sparse ones."""
 
-NEARLY_SINGULAR = 1e-4
-"""Share of an equation's slope, squared, that those before it leave: below it multipliers are no longer trusted."""
-
 WEIGHTLESS = 1e-12
 """Share of the largest inertia of a free coordinate, in scaled unknowns, below which another has none."""
-
-MANY = 100
-"""Equations above which that share is the smaller, the more they are."""
 
 
 def reduced(system: System, linear: Linear) -> Reduced | None:
@@ -76,20 +72,22 @@ class Reduced:
         q = linear.origin
         self.origin, self.basis, self.kept = q, basis, kept
         self.k, self.m, self.rows = basis.shape[1], kept.size, system.m
-        self.shape = (2, self.k + 1)
+        self.width = self.k + 1
         self._across = np.ascontiguousarray(basis.T)
         self._into = system.mass(self._across).T
-        self._levers = self._across * system.levers
-        self._reach = linear.reach[kept]
-        self._floor = floor_of(system, q)
+        self._levers = np.concatenate((self._across * system.levers, np.zeros((1, system.n))))
+        self.reach = linear.reach[kept]
+        self.floor = floor_of(system, q)
         joints = system.joints.at(q)
         self._gap = joints.value[kept]
         self._first, turning = np.zeros((0, self.k)), np.zeros((self.k, 0, self.k))
         if kept.size:
             self._first = _dense(system, joints.gradient)[kept] @ basis
             turning = _dense(system, joints.swirl(self._across))[:, kept] @ basis
-        self._tensor = np.concatenate((turning.reshape(self.k, self.m * self.k), self._first.reshape(1, self.m * self.k)))
-        self._load = self._affine_load(system, q) if system.affine else None
+        self._half, self.affine = 0.5 * turning.reshape(self.k, -1), system.affine
+        load = self._affine_load(system, q) if system.affine else np.zeros((self.k + 1, self.k))
+        rows = np.concatenate((turning, self._first[None]))
+        self.tensor = -np.concatenate((load[:, None], rows), axis=1).reshape(self.k + 1, -1)
 
     def _affine_load(self, system: System, q: Array) -> Array:
         """[k + 1, k]: the load of (z, 1)."""
@@ -99,7 +97,7 @@ class Reduced:
 
     def enter(self, q: Array, v: Array) -> Array:
         """w of q, v on the joints."""
-        w = np.zeros(self.shape)
+        w = np.zeros((2, self.width))
         w[0, :-1], w[1, :-1], w[0, -1] = (q - self.origin) @ self._into, v @ self._into, 1.0
         return w
 
@@ -108,9 +106,9 @@ class Reduced:
         x = w[..., :-1] @ self._across
         return self.origin + x[..., 0, :], x[..., 1, :]
 
-    def lengths(self, dw: Array) -> Array:
-        """[..., 2]: the largest changes of positions [m] and of velocities [m/s] that dw [..., 2, k + 1] stands for."""
-        return np.abs(dw[..., :-1] @ self._levers).max(axis=-1)
+    def lengths(self, rows: Array) -> Array:
+        """[...]: the largest change of position [m] that each of the rows [..., k + 1] stands for."""
+        return np.maximum.reduce(np.abs(rows.dot(self._levers)), axis=-1)
 
     def all_rows(self, multipliers: Array) -> Array:
         """[..., rows] of those of the quadratic rows; zero for the others, which no motion needs."""
@@ -118,78 +116,26 @@ class Reduced:
         out[..., self.kept] = multipliers
         return out
 
-    def rates(self, system: System, w: Array, t: float, out: Array) -> Array:
-        """dw/dt into ``out``; returns the multipliers [m] of the quadratic rows. Raises Singular where these nearly depend on each other."""
-        gradient, turning = (w @ self._tensor).reshape(2, self.m, self.k)
-        factor = _factor(gradient)
-        return self._finish(system, w, t, gradient, turning, factor, out)
+    def places(self, w: Array, accelerations: Array) -> Places:
+        return Places(self, w, accelerations)
 
-    def land(self, system: System, w: Array, t: float, out: Array) -> Array:
-        """Moves w to the joints, in place, and goes on as ``rates``; raises Inconsistent where it finds none near."""
-        goal, speed = self._goals(system, t)
-        start = self._gradient(w[0])
-        near = _factor(start)
-        w[0, :-1] = settle(w[0, :-1], lambda z: self._gap_at(z) - goal, lambda gap: _solve(near, gap) @ start, self._reach, self._floor)
-        gradient = self._gradient(w[0])
-        factor = _factor(gradient)
-        w[1, :-1] -= _solve(factor, gradient @ w[1, :-1] - speed) @ gradient
-        turning = self._gradient(w[1])
-        return self._finish(system, w, t, gradient, turning, factor, out)
-
-    def _goals(self, system: System, t: float) -> tuple[Array | float, Array | float]:
+    def goals(self, system: System, t: float) -> tuple[Array | float, Array | float]:
         """c and c' of the quadratic rows."""
         if not system.driven:
             return 0.0, 0.0
         goal = targets(system.inputs(t))
         return goal.value[self.kept], goal.rate[self.kept]
 
-    def _gradient(self, z: Array) -> Array:
-        return (z @ self._tensor).reshape(self.m, self.k)
+    def gap(self, z: Array) -> Array:
+        """g of the quadratic rows [m], without what they follow."""
+        half = z.dot(self._half).reshape(self.m, self.k)
+        half += self._first
+        return half.dot(z) + self._gap
 
-    def _gap_at(self, z: Array) -> Array:
-        half = 0.5 * (z @ self._tensor[:-1]).reshape(self.m, self.k)
-        return (half + self._first) @ z + self._gap
-
-    def _finish(self, system: System, w: Array, t: float, gradient: Array, turning: Array, factor: Array, out: Array) -> Array:
-        force = self._force(system, w, t)
-        right = gradient @ force + turning @ w[1, :-1]
-        if system.driven:
-            right -= targets(system.inputs(t)).acceleration[self.kept]
-        multipliers = _solve(factor, right)
-        out[0], out[1, :-1], out[1, -1] = w[1], force - multipliers @ gradient, 0.0
-        return multipliers
-
-    def _force(self, system: System, w: Array, t: float) -> Array:
-        """Loads and stresses [k]."""
-        if self._load is None:
-            return system.force(*self.leave(w), system.inputs(t)) @ self.basis
-        force = w[0] @ self._load
-        if system.n_stresses:
-            q, v = self.leave(w)
-            strains = system.strains(q)
-            force -= strains.pull(system.stress(strains, v)) @ self.basis
-        return force
-
-
-def _factor(gradient: Array) -> Array:
-    """Cholesky factor of G G'; raises Singular."""
-    if not len(gradient):
-        return np.zeros((0, 0))
-    square = gradient @ gradient.T
-    sizes = square.diagonal().tolist()
-    factor, info = lapack.dpotrf(square, lower=1, clean=0, overwrite_a=1)
-    if info or not independent(factor.diagonal().tolist(), sizes):
-        raise Singular("joints in a nearly singular position")
-    return factor
-
-
-def independent(pivots: list[float], sizes: list[float]) -> bool:
-    """Whether no equation nearly follows from those before it: pivots of the Cholesky factor of a matrix with this diagonal.
-
-    In a long chain the last equation keeps no more than one part in its number."""
-    least = NEARLY_SINGULAR * min(1.0, MANY / len(pivots))
-    return all(pivot * pivot > least * size for pivot, size in zip(pivots, sizes))
-
-
-def _solve(factor: Array, right: Array) -> Array:
-    return lapack.dpotrs(factor, right, lower=1)[0] if len(right) else right
+    def force(self, system: System, w: Array, inputs: Any) -> Array:
+        """Loads that are not affine, and stresses [k]."""
+        q, v = self.leave(w)
+        if not self.affine:
+            return system.force(q, v, inputs) @ self.basis
+        strains = system.strains(q)
+        return -strains.pull(system.stress(strains, v)) @ self.basis

@@ -9,6 +9,7 @@ Driven equations are gamma(q) = c(t): projections take the values of c and c' th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -95,14 +96,14 @@ def project_positions(
 
 
 def settle(x: Array, gap: Callable[[Array], Array], correction: Callable[[Array], Array], reach: Array, floor: float, *, sweeps: int = 8) -> Array:
-    """x with gap(x) = 0 to the length ``floor``, from nearby: x - correction(gap) again and again. Raises Inconsistent."""
+    """x with gap(x) = 0 [m], m > 0, to the length ``floor``, from nearby: x - correction(gap) again and again. Raises Inconsistent."""
     best = np.inf
     for _ in range(sweeps):
         distance = gap(x)
-        worst = float(np.max(np.abs(distance) * reach, initial=0.0))
+        worst = float(np.maximum.reduce(np.abs(distance * reach)))
         if worst <= floor or (worst <= 100.0 * floor and worst >= best):
             return x
-        if not np.isfinite(worst):
+        if not math.isfinite(worst):
             break
         best = min(best, worst)
         x = x - correction(distance)

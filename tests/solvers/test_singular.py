@@ -9,9 +9,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import mbd
+from mbd.assembly import consistent
 from mbd.solvers import newton
 from mbd.solvers.coefficients import tableau
 from mbd.solvers.formats import Singular
+from mbd.solvers.reduced import reduced
+from mbd.state import State
 
 
 def four_bar(windows):
@@ -145,3 +148,18 @@ def test_a_tolerance_above_the_links_of_a_chain():
         before = body.at(0.05, 0)
     loose, tight = (mbd.simulate(scene, 0.3, rtol=rtol, solver=mbd.Radau()).stats for rtol in (1e-1, 1e-4))
     assert loose["newton iterations"] <= 1.2 * tight["newton iterations"]
+
+
+def test_nearly_singular_places_are_found_among_others():
+    """The start, upright, and a position so near the line that an equation keeps less than a hundredth of its slope."""
+    system = four_bar(1)[0].build()
+    linear = consistent(system, State(system.q0, system.v0)).linear
+    form = reduced(system, linear)
+    near = mbd.simulate(four_bar(1)[0], aligned(1) - 1e-3, rtol=1e-10, solver=mbd.Radau()).final
+    states = np.stack([form.enter(system.q0, system.v0), form.enter(near.q, near.v)])
+    places = form.places(states, np.zeros((2, form.width)))
+    for place in (0, 1):
+        places.rates(system, place, 0.0)
+    places.check(slice(0, 1))
+    with pytest.raises(Singular):
+        places.check(slice(0, 2))
