@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .equilibration import equilibrated
 from .formats import Format, Singular, Solve, cheapest
 from .ordering import half_bandwidth, reverse_cuthill_mckee
 from .system import Array, Index, System
@@ -25,6 +26,12 @@ SOFTENING = 1e-7
 
 MASSLESS = 1e-16
 """Inertia below this share of the typical one is none: scaled by its root, the equations that hold it would look dependent."""
+
+UNEVEN = 1e4
+"""The ratio of inertias from which on what they move with decides over scales, not they alone."""
+
+TURNED = 0.1
+"""Share of an equation's largest slope that its others count with at least where they change: a turn may make them as large."""
 
 TURN = 0.01
 """The largest angle [rad] that a tolerance may mean for a rigid body."""
@@ -85,12 +92,16 @@ class Linear:
         levers = np.where(system.levers > 0.0, system.levers, np.where(system.lengths, 1.0, system.length))
         typical = diagonal.sum() / np.sum(levers[diagonal > 0.0] ** 2) if diagonal.any() else 1.0
         coordinates = 1.0 / np.sqrt(np.where(diagonal > MASSLESS * typical * levers**2, diagonal, typical * levers**2))
-        gradient = system.joints.at(q).gradient
-        size = np.bincount(system.joints.rows, (gradient * coordinates[system.joints.cols]) ** 2, minlength=system.m)
-        equations = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
+        rows, cols, gradient = system.joints.rows, system.joints.cols, system.joints.at(q).gradient
         effect = np.zeros(system.m)
-        np.maximum.at(effect, system.joints.rows, np.abs(gradient) / levers[system.joints.cols])
+        np.maximum.at(effect, rows, np.abs(gradient) / levers[cols])
         self.reach = 1.0 / np.where(effect > 0.0, effect, 1.0)
+        inertias = diagonal[diagonal > 0.0] / levers[diagonal > 0.0] ** 2
+        if inertias.max(initial=0.0) > UNEVEN * inertias.min(initial=np.inf):
+            turned = np.where(system.joints.constant_rows, 0.0, TURNED)[rows] * effect[rows] * levers[cols]
+            coordinates = _moved(system, diagonal, np.maximum(np.abs(gradient), turned), coordinates)
+        size = np.bincount(rows, (gradient * coordinates[cols]) ** 2, minlength=system.m)
+        equations = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
         return np.concatenate((coordinates, equations))
 
     def _slots(self, rows: Index, cols: Index) -> tuple[Index, Array]:
@@ -167,6 +178,16 @@ class Linear:
     def soften(self) -> None:
         """From now on, redundant equations are allowed."""
         self.softened, self.constant_factor = True, None
+
+
+def _moved(system: System, diagonal: Array, slopes: Array, otherwise: Array) -> Array:
+    """[n]: scales of coordinates by the inertia that moves with them, from magnitudes of the entries of M's diagonal and of G."""
+    n, own = system.n, np.arange(system.n)
+    keys, slot = np.unique(system.joints.rows * n + system.joints.cols, return_inverse=True)
+    rows, cols, sizes = keys // n + n, keys % n, np.bincount(slot, slopes, minlength=keys.size)
+    entries = np.concatenate((own, rows, cols)), np.concatenate((own, cols, rows)), np.concatenate((diagonal, sizes, sizes))
+    found = equilibrated(*entries, n + system.m)
+    return otherwise if found is None else found[:n]
 
 
 class Factor:

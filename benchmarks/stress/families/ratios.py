@@ -159,7 +159,7 @@ def graded(ratio: float) -> Checked:
 FAMILIES = (
     Family(
         "mass ratio, loop", "mass of a parallelogram's coupler over a link's", "pendulum of the same period, elliptic functions",
-        powers(-15, 15, 3), 1.0, 1e-3, parallelogram, quick=(1e-9, 1.0, 1e9), wanted=powers(-9, 9, 3)),
+        powers(-18, 18, 3), 1.0, 1e-3, parallelogram, quick=(1e-9, 1.0, 1e9), wanted=powers(-18, 18, 3)),
     Family(
         "mass ratio, chain", "outer over inner mass of a double pendulum", "angles integrated by SciPy; above 1e5 one pendulum",
         powers(-15, 12, 3), 1.0, 1e-3, double_pendulum, quick=(1e-9, 1.0, 1e6), wanted=powers(-9, 9, 3)),
