@@ -12,8 +12,8 @@ import numpy as np
 
 from .system import Array, Index
 
-SETTLED = 1e-9
-"""Change of the logarithm of a scale that ends the search."""
+GRAIN = 2.0**-10
+"""Logarithms are whole multiples of this: their sums are exact, without which the search for a matching may go round in circles."""
 
 
 def equilibrated(rows: Index, cols: Index, sizes: Array, count: int) -> Array | None:
@@ -21,8 +21,10 @@ def equilibrated(rows: Index, cols: Index, sizes: Array, count: int) -> Array | 
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
+    if not np.isfinite(sizes).all():
+        return None
     kept = sizes > 0.0
-    rows, cols, cost = rows[kept], cols[kept], -np.log(sizes[kept])
+    rows, cols, cost = rows[kept], cols[kept], -GRAIN * np.round(np.log(sizes[kept]) / GRAIN)
     shift = 1.0 - cost.min(initial=0.0)  # weights have to be positive to be told from missing entries
     graph = coo_array((cost + shift, (rows, cols)), shape=(count, count)).tocsr()
     try:
@@ -45,6 +47,6 @@ def _potentials(tails: Index, heads: Index, lengths: Array, count: int) -> Array
     for _ in range(count):
         before = found.copy()
         np.minimum.at(found, heads, before[tails] + lengths)
-        if np.max(before - found, initial=0.0) <= SETTLED:
+        if np.array_equal(before, found):
             break
     return found
