@@ -222,8 +222,8 @@ def _moved(system: System, diagonal: Array, slopes: Array, otherwise: Array) -> 
     n, own = system.n, np.arange(system.n)
     keys, slot = np.unique(system.joints.rows * n + system.joints.cols, return_inverse=True)
     rows, cols, sizes = keys // n + n, keys % n, np.bincount(slot, slopes, minlength=keys.size)
-    entries = np.concatenate((own, rows, cols)), np.concatenate((own, cols, rows)), np.concatenate((diagonal, sizes, sizes))
-    found = equilibrated(*entries, n + system.m)
+    both_rows, both_cols = np.concatenate((own, rows, cols)), np.concatenate((own, cols, rows))
+    found = equilibrated(both_rows, both_cols, np.concatenate((diagonal, sizes, sizes)).astype(float), n + system.m)
     return otherwise if found is None else found[:n]
 
 
