@@ -32,6 +32,8 @@ def stopped(system: System, linear: Any, method: Any, record: Any) -> Simulation
         kind = _uneven
     elif kind is not _left and _nearly_singular(system, linear, record.states[-1].q):
         kind = _singular
+    elif kind is _singular and system.n_stresses and system.n + system.m <= LARGEST:  # joints hold their grip: something else is out of proportion
+        kind = _stiff
     item, what, advice = kind(system, linear, record, STEPS[method.fixed is not None])
     return SimulationError(what, time=record.states[-1].t, item=item, advice=advice)
 
@@ -67,6 +69,16 @@ def _singular(system: System, linear: Any, record: Any, steps: str) -> Found:
     what = f"steps became too short, next to a singular position of the joints: {record.failure}"
     look = "see what is in line or held twice there: print(mbd.check(scene, start=error.state))"
     return item, what, (look, "start a little beside that position, or change a length a little", f"{steps}; implicit methods pass most such places")
+
+
+def _stiff(system: System, linear: Any, record: Any, steps: str) -> Found:
+    state = record.states[-1]
+    values = np.abs(system.stiffness(state.q, state.v, system.inputs(state.t), state.stress, state.multipliers))
+    rows, cols = system.stiffness_rows, system.stiffness_cols
+    item = str(system.owners[rows[int(np.argmax(values * linear.scale[rows] * linear.scale[cols]))]][0])
+    what = f"steps became too short: stiffnesses are too unequal to be solved for together, the highest in {item!r} ({record.failure})"
+    alike = "make elements more alike in length and stiffness; what is far stiffer than all else may be a RigidBody, or a joint"
+    return item, what, (alike, "check units of E, A, I and density: print(mbd.check(scene))", steps)
 
 
 def _newton(system: System, linear: Any, record: Any, steps: str) -> Found:

@@ -128,6 +128,7 @@ class System:
         self.mass_cols = (d * cols[:, None] + axes).ravel()
         self.mass_values = np.repeat(values, d)
         self.n_table = d * k
+        self.vectors = np.where(np.arange(self.n) < self.n_table, np.arange(self.n) // d, np.arange(self.n))
         self._dense_mass: Array | None = None
         if k <= DENSE_MASS:
             self._dense_mass = np.zeros((k, k))

@@ -10,7 +10,6 @@ pivots of SuperLU on the diagonal of a matrix whose corner is slightly negative.
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -52,22 +51,11 @@ class Kkt:
 
     def factor(self, tangent: Tangent, shift: float = 0.0) -> Factor:
         """Raises Singular."""
-        return self.linear.factorised(*self.buffer(tangent, shift), self.least)
-
-    @cached_property
-    def _pattern(self) -> tuple[Index, Index, Index]:
-        """Rows and columns, in the order of the format, of all entries, each once, and their slots."""
-        system, n, place = self.system, self.linear.n, self.linear.place
-        top, left, corner = system.joints.rows + n, system.joints.cols, n + np.arange(system.m)
-        rows = np.concatenate((system.mass_rows, system.stiffness_rows, top, left, corner))
-        cols = np.concatenate((system.mass_cols, system.stiffness_cols, left, top, corner))
-        keys = np.unique(place[cols] * self.linear.size + place[rows])
-        rows, cols = keys % self.linear.size, keys // self.linear.size
-        return rows, cols, self.linear.format.slot(rows, cols)
+        return self.linear.factorised(lambda: self.buffer(tangent, shift), self.least)
 
     def entries(self, buffer: Array) -> tuple[Index, Index, Array]:
         """Rows, columns (in the order of the format) and values of a filled buffer."""
-        rows, cols, slots = self._pattern
+        rows, cols, slots = self.linear.pattern
         return rows, cols, buffer[slots]
 
     def negatives(self, tangent: Tangent, shift: float = 0.0) -> int:

@@ -11,20 +11,32 @@ Newton's iterations and ``refined`` remove its trace from the solution.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .equilibration import equilibrated
 from .formats import Format, Singular, Solve, cheapest
 from .ordering import half_bandwidth, reverse_cuthill_mckee
 from .system import Array, Index, System
 
 SINGULAR = 1e-15
+FAIR = 1e-12
+"""Reciprocal condition, in units that make a matrix' own entries alike, from which on its solutions are right to three digits at least."""
+
 SOFTENING = 1e-7
 
 MASSLESS = 1e-16
 """Inertia below this share of the typical one is none: scaled by its root, the equations that hold it would look dependent."""
+
+UNEVEN = 1e4
+"""The ratio of inertias from which on what they move with decides over scales, not they alone."""
+
+TURNED = 0.1
+"""Share of an equation's largest slope that its others count with at least where they change: a turn may make them as large."""
 
 TURN = 0.01
 """The largest angle [rad] that a tolerance may mean for a rigid body."""
@@ -56,11 +68,13 @@ class Linear:
         rolling = np.setdiff1d(joints.cols[np.isin(joints.rows, joints.slips)], system.mass_rows)
         rows = np.concatenate((system.mass_rows, system.stiffness_rows, system.damping_rows, top, left, corner, rolling))
         cols = np.concatenate((system.mass_cols, system.stiffness_cols, system.damping_cols, left, top, corner, rolling))
+        self._entries = rows, cols
         order = reverse_cuthill_mckee(rows, cols, self.size)
         self.format: Format = cheapest(self.size, half_bandwidth(rows, cols, order), rows, cols)
         self.order = order if self.format.name == "band" else np.arange(self.size)
         self.place = np.argsort(self.order)
         self._below = self.order >= n
+        self._together = np.concatenate((system.vectors, n + np.arange(m)))[self.order]
         self.scale = self._scales(system, q)
         self.into = self.scale[self.order]
         self.softened = False
@@ -85,12 +99,16 @@ class Linear:
         levers = np.where(system.levers > 0.0, system.levers, np.where(system.lengths, 1.0, system.length))
         typical = diagonal.sum() / np.sum(levers[diagonal > 0.0] ** 2) if diagonal.any() else 1.0
         coordinates = 1.0 / np.sqrt(np.where(diagonal > MASSLESS * typical * levers**2, diagonal, typical * levers**2))
-        gradient = system.joints.at(q).gradient
-        size = np.bincount(system.joints.rows, (gradient * coordinates[system.joints.cols]) ** 2, minlength=system.m)
-        equations = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
+        rows, cols, gradient = system.joints.rows, system.joints.cols, system.joints.at(q).gradient
         effect = np.zeros(system.m)
-        np.maximum.at(effect, system.joints.rows, np.abs(gradient) / levers[system.joints.cols])
+        np.maximum.at(effect, rows, np.abs(gradient) / levers[cols])
         self.reach = 1.0 / np.where(effect > 0.0, effect, 1.0)
+        inertias = diagonal[diagonal > 0.0] / levers[diagonal > 0.0] ** 2
+        if inertias.max(initial=0.0) > UNEVEN * inertias.min(initial=np.inf):
+            turned = np.where(system.joints.constant_rows, 0.0, TURNED)[rows] * effect[rows] * levers[cols]
+            coordinates = _moved(system, diagonal, np.maximum(np.abs(gradient), turned), coordinates)
+        size = np.bincount(rows, (gradient * coordinates[cols]) ** 2, minlength=system.m)
+        equations = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
         return np.concatenate((coordinates, equations))
 
     def _slots(self, rows: Index, cols: Index) -> tuple[Index, Array]:
@@ -124,28 +142,58 @@ class Linear:
         self, tangent: Tangent, c_mass: complex = 1.0, c_damping: complex = 0.0, c_stiffness: float = 0.0, *, least: float = SINGULAR
     ) -> Factor:
         """The factorised KKT matrix; raises Singular unless its reciprocal condition is above ``least``; 0: it is not estimated."""
-        size = abs(c_mass)
-        buffer = c_mass * self.mass
-        buffer += size * tangent.gradient
-        if c_stiffness and tangent.stiffness is not None:
-            buffer += c_stiffness * tangent.stiffness
-        if c_damping and tangent.damping is not None:
-            buffer += c_damping * tangent.damping
-        if self.softened:
-            buffer[self._corner] -= SOFTENING * size
-        return self.factorised(buffer, size, least)
 
-    def factorised(self, buffer: NDArray, size: float, least: float) -> Factor:
-        """A filled buffer, factorised; raises Singular unless its reciprocal condition is above ``least``; 0: it is not estimated."""
+        def filled() -> tuple[NDArray, float]:
+            buffer = c_mass * self.mass
+            buffer += size * tangent.gradient
+            if c_stiffness and tangent.stiffness is not None:
+                buffer += c_stiffness * tangent.stiffness
+            if c_damping and tangent.damping is not None:
+                buffer += c_damping * tangent.damping
+            if self.softened:
+                buffer[self._corner] -= SOFTENING * size
+            return buffer, size
+
+        size = abs(c_mass)
+        return self.factorised(filled, least)
+
+    def factorised(self, filled: Callable[[], tuple[NDArray, float]], least: float) -> Factor:
+        """A buffer, which ``filled`` gives anew, with its size, whenever it is called, factorised; raises Singular unless its reciprocal
+        condition is above ``least``, or above FAIR in units of its own; 0: it is not estimated.
+
+        In units in which masses are 1 a short element of a beam may be stiffer than rounding leaves the others, though it takes no part in
+        their motions. Before a matrix is refused it is judged in units that make its own entries alike."""
+        buffer, size = filled()
         norm = self.format.norm(buffer) if least else 0.0
         self.factorizations += 1
         solve = self.format.factor(buffer)
         if not least:
             return Factor(self, solve, size, np.nan)
         rcond = _reciprocal_condition(self.size, norm, solve)
-        if not rcond > least:
+        if not rcond > least and not self._fair_condition(filled()[0], solve) > FAIR:
             raise Singular(f"reciprocal condition {rcond:.1e}")
         return Factor(self, solve, size, rcond)
+
+    def _fair_condition(self, buffer: NDArray, solve: Solve) -> float:
+        """The reciprocal condition in units that make the entries alike, the same for all components of a vector: what a beam resists along and
+        across itself stays apart wherever it points."""
+        rows, cols, slots = self.pattern
+        sizes = np.abs(buffer[slots])
+        found = equilibrated(rows, cols, sizes, self.size)
+        if found is None:
+            return 0.0
+        smallest = np.full(self.size, np.inf)
+        np.minimum.at(smallest, self._together, found)
+        units = smallest[self._together]
+        norm = float(np.max(np.bincount(cols, units[rows] * sizes * units[cols])))
+        return _reciprocal_condition(self.size, norm, lambda right: solve(right / units) / units)
+
+    @cached_property
+    def pattern(self) -> tuple[Index, Index, Index]:
+        """Rows and columns, in the order of the format, of all entries, each once, and their slots."""
+        keys = np.unique(self.place[self._entries[1]] * self.size + self.place[self._entries[0]])
+        rows, cols = keys % self.size, keys // self.size
+        return rows, cols, self.format.slot(rows, cols)
 
     def enter(self, top: Array, bottom: Array) -> Array:
         """Right sides [..., n] and [..., m] in scaled, ordered unknowns [..., size]."""
@@ -167,6 +215,16 @@ class Linear:
     def soften(self) -> None:
         """From now on, redundant equations are allowed."""
         self.softened, self.constant_factor = True, None
+
+
+def _moved(system: System, diagonal: Array, slopes: Array, otherwise: Array) -> Array:
+    """[n]: scales of coordinates by the inertia that moves with them, from magnitudes of the entries of M's diagonal and of G."""
+    n, own = system.n, np.arange(system.n)
+    keys, slot = np.unique(system.joints.rows * n + system.joints.cols, return_inverse=True)
+    rows, cols, sizes = keys // n + n, keys % n, np.bincount(slot, slopes, minlength=keys.size)
+    both_rows, both_cols = np.concatenate((own, rows, cols)), np.concatenate((own, cols, rows))
+    found = equilibrated(both_rows, both_cols, np.concatenate((diagonal, sizes, sizes)).astype(float), n + system.m)
+    return otherwise if found is None else found[:n]
 
 
 class Factor:

@@ -44,7 +44,7 @@ def reduced(system: System, linear: Linear) -> Reduced | None:
 def _basis(system: System, linear: Linear, gradient: Array) -> Array | None:
     """N [n, k] for constant rows of G; None where nothing stays free, or coordinates without inertia."""
     scale = linear.scale[: system.n]
-    directions, upper, _ = qr((gradient * scale).T, pivoting=True)
+    directions, upper, order = qr((gradient * scale).T, pivoting=True)
     pivots = np.abs(upper.diagonal())
     rank = int(np.sum(pivots > REDUNDANT * pivots.max(initial=0.0)))
     if rank == system.n:
@@ -55,7 +55,16 @@ def _basis(system: System, linear: Linear, gradient: Array) -> Array | None:
     except LinAlgError:
         return None
     pivots = root.diagonal()  # where there is no inertia rounding may be positive
-    return None if pivots.min(initial=np.inf) ** 2 < WEIGHTLESS * pivots.max(initial=0.0) ** 2 else solve_triangular(root, free, lower=True).T
+    if pivots.min(initial=np.inf) ** 2 < WEIGHTLESS * pivots.max(initial=0.0) ** 2:
+        return None
+    basis = _apart(system, solve_triangular(root, free, lower=True).T)
+    over = solve_triangular(upper[:rank, :rank], (gradient @ basis)[order[:rank]], trans="T")
+    return basis - scale[:, None] * (directions[:, :rank] @ over)  # what is light has to follow to its own rounding, not to that of what is heavy
+
+
+def _apart(system: System, basis: Array) -> Array:
+    """The same span, and N' M N = 1, with columns in the order of how far they move: light motions are not left over from heavy ones."""
+    return basis @ np.linalg.svd(system.levers[:, None] * basis, full_matrices=False)[2].T
 
 
 def _dense(system: System, values: Array) -> Array:

@@ -93,6 +93,7 @@ class System(Protocol):
 
     ``affine``: loads are constant in time and linear in q alone. ``driven``: c depends on time. ``damped``: something is viscous, or loads
     depend on velocities. ``onsets``: some strains set in, with slopes that are zero before. ``arm``: the smallest lever [m] of a slope or axis.
+    ``vectors`` [n]: components of one vector have the same number, of 0 ... n - 1.
     """
 
     n: int
@@ -102,6 +103,7 @@ class System(Protocol):
     levers: Array
     lengths: NDArray[np.bool_]
     arm: float
+    vectors: Index
     modulus: Array
     viscosity: Array | None
     affine: bool

@@ -38,7 +38,7 @@ class Pendulum:
     """M = m I, load = weight, K = d(G' lambda)/dq = lambda I; no stresses, no damping."""
 
     n, m, n_stresses = 2, 1, 0
-    length, levers, lengths, arm = LENGTH, np.ones(2), np.zeros(2, dtype=bool), np.inf
+    length, levers, lengths, arm, vectors = LENGTH, np.ones(2), np.zeros(2, dtype=bool), np.inf, np.zeros(2, dtype=np.intp)
     modulus, viscosity, damped, onsets, joints = np.zeros(0), None, False, False, Rod()
     mass_rows = mass_cols = stiffness_rows = stiffness_cols = np.arange(2)
     damping_rows = damping_cols = np.zeros(0, dtype=np.intp)

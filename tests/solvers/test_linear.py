@@ -24,7 +24,7 @@ class RandomSystem:
     def __init__(self, seed, n=23, m=7):
         rng = np.random.default_rng(seed)
         self.n, self.m, self.length, self.levers, self.lengths, self.arm = n, m, 1.0, np.ones(n), np.zeros(n, dtype=bool), np.inf
-        self.mass_rows = self.mass_cols = np.arange(n)
+        self.vectors = self.mass_rows = self.mass_cols = np.arange(n)
         self.mass_values = rng.uniform(0.5, 2.0, n)
         i, j = rng.integers(0, n, (2, 3 * n))
         value = rng.normal(size=i.size)

@@ -9,7 +9,7 @@ import pytest
 
 import mbd
 from benchmarks.stress import exact
-from benchmarks.stress.families import frames, settings, singular
+from benchmarks.stress.families import frames, ratios, settings, singular
 
 
 def said(run: object) -> str:
@@ -99,3 +99,24 @@ def test_a_driven_turn_through_right_angles_is_no_passage() -> None:
     beam = scene.add(mbd.AncfCable((0, 0), (1, 0), n_elements=2, E=1e6, A=1e-2, I=1e-6, rho=1000))
     scene.add(mbd.Prescribed(beam.start, (0.0, 0.0), angle=lambda t: 2.0 * t * t))
     assert not said(lambda: mbd.simulate(scene, 1.5, rtol=1e-4))
+
+
+@pytest.mark.parametrize("ratio", [1e4, 1e8])
+def test_short_elements_do_not_shorten_steps(ratio: float) -> None:
+    """Units in which masses are 1 make a short element so stiff that its matrix looks singular; steps were halved for that, to a thirtieth."""
+    result, found = ratios.graded_run(ratio)
+    assert found < 3e-4
+    assert result.stats["steps"] < 500
+    assert result.stats["rejected"] < 50
+
+
+def test_stiffness_out_of_proportion_is_named() -> None:
+    """Elements of 1e-9 of others: no joint is singular there, and none is blamed."""
+    with pytest.raises(mbd.SimulationError, match=r"at rod: steps became too short: stiffnesses are too unequal.*the highest in 'rod'"):
+        ratios.graded_run(1e9)
+
+
+def test_a_slender_cantilever_keeps_its_energy() -> None:
+    """Its stiffness along itself, 1e12 of that across, is not to be solved for in long steps: two digits would be right, and energies none."""
+    checked = ratios.slenderness(1e6)
+    assert max(checked) < 1e-3
