@@ -51,7 +51,7 @@ class Quadratic:
         self._compile_curvature()
 
     def _collect(self, r: int, row: Row, forms: list[Scalar], owners: list[tuple[int, int, int]]) -> None:
-        linear_parts = [row.linear] if row.linear.columns.size else []
+        linear_parts, before = [row.linear] if row.linear.columns.size else [], len(owners)
         for x, y in row.products:
             if x.columns.size and y.columns.size:
                 forms.extend((x, y))
@@ -66,6 +66,9 @@ class Quadratic:
             columns = np.concatenate([part.columns for part in linear_parts])
             forms.append(Scalar(columns, np.concatenate([part.coefficients for part in linear_parts]), 0.0))
             owners.append((r, len(forms), ONE))
+        if len(owners) == before:  # every row has a product, so that their sums are those of all rows
+            owners.append((r, ONE, ONE))
+            self.constant[r] -= 1.0
 
     def _compile_forms(self, forms: list[Scalar], n: int) -> None:
         sizes = np.array([form.columns.size for form in forms], dtype=np.intp)
@@ -89,9 +92,12 @@ class Quadratic:
             product, entry = self._entries(varied)
             parts.append((self.owner[product], self.columns[entry], kept[product], self.coefficients[entry]))
         row, column, factor, coefficient = (np.concatenate(part) for part in zip(*parts))
-        keys, slot = np.unique(row * n + column, return_inverse=True)
-        self.rows, self.cols = keys // n, keys % n
         constant = factor == ONE
+        keys, slot = np.unique(row * n + column, return_inverse=True)
+        last = np.bincount(slot, ~constant, minlength=keys.size) > 0.0  # entries that vary come last: they are one slice
+        order = np.argsort(last, kind="stable")
+        keys, slot = keys[order], np.argsort(order)[slot]
+        self.rows, self.cols, self._fixed = keys // n, keys % n, int(np.sum(~last))
         self.fixed: Array = np.bincount(slot[constant], coefficient[constant], minlength=keys.size).astype(float)
         order = np.argsort(slot[~constant], kind="stable")
         self.gradient_factor = factor[~constant][order]
@@ -136,10 +142,7 @@ class Quadratic:
 
     def value(self, z: Array) -> Array:
         """g [..., m]."""
-        g = np.empty((*z.shape[:-1], self.m))
-        g[...] = self.constant
-        g[..., self.by_row.keys] += self.by_row.sum(z.take(self.left, axis=-1) * z.take(self.right, axis=-1))
-        return g
+        return self.by_row.sum(z.take(self.left, axis=-1) * z.take(self.right, axis=-1)) + self.constant
 
     def gradient(self, z: Array) -> Array:
         """Values of G [..., nnz] on the pattern (rows, cols); [nnz] where they are constant."""
@@ -147,7 +150,7 @@ class Quadratic:
             return self.fixed
         values = np.empty((*z.shape[:-1], self.fixed.size))
         values[...] = self.fixed
-        values[..., self.by_slot.keys] += self._varying(z)
+        values[..., self._fixed :] += self._varying(z)
         return values
 
     def _varying(self, z: Array) -> Array:
@@ -157,7 +160,7 @@ class Quadratic:
         """Values of d(G v)/dq [..., nnz] on the pattern of G."""
         values = np.zeros((*v.shape[:-1], self.fixed.size))
         if not self.linear:
-            values[..., self.by_slot.keys] = self._varying(self._rates(v))
+            values[..., self._fixed :] = self._varying(self._rates(v))
         return values
 
     def bias(self, z: Array, v: Array) -> Array:
@@ -165,7 +168,7 @@ class Quadratic:
         out = np.zeros((*v.shape[:-1], self.m))
         if not self.linear:
             rates = self._rates(v)
-            out[..., self.by_row.keys] = 2.0 * self.by_row.sum(rates[..., self.left] * rates[..., self.right])
+            out += 2.0 * self.by_row.sum(rates.take(self.left, axis=-1) * rates.take(self.right, axis=-1))
         return out
 
     def curvature(self, z: Array, multipliers: Array) -> Array:
