@@ -38,13 +38,15 @@ class PlanarContinuum:
         self.dofs = np.swapaxes(nodes, 1, 2).reshape(len(nodes), 8)
         one = np.ones_like(length)
         scale = np.stack((one, length, one, length), axis=1)
-        self.scale, self.pair_scale = np.repeat(scale, 2, axis=1), (scale[:, :, None] * scale[:, None, :]).reshape(-1, 16)
+        self.scale = np.repeat(scale, 2, axis=1)
+        self.pair_scale = (self.scale[:, :, None] * self.scale[:, None, :]).reshape(-1, 64)
         by_x, by_y = hermite_slope(xi), hermite_bend(xi)
         self.by_x, self.by_y = (np.kron(by, np.eye(2)) for by in (by_x, by_y))
         self.x_shape, self.y_shape = (by.T * scale[:, None, :] for by in (by_x, by_y))
         alike, mixed = (np.einsum("ag,bg->gab", by_x, by) for by in (by_x, by_y))
-        self.pairs = alike.reshape(points, 16)
-        self.bent_pairs = np.concatenate((alike, mixed + np.swapaxes(mixed, 1, 2))).reshape(2 * points, 16)
+        bent, swapped, opposed = np.concatenate((alike, mixed + np.swapaxes(mixed, 1, 2))), np.array(((0, 1), (1, 0))), np.diag((1, -1))
+        by_parts = np.stack((np.kron(bent, swapped), np.kron(bent, opposed)), axis=1)  # of the real and the imaginary part of each c
+        self.pairs = np.concatenate((np.kron(alike, np.eye(2)).reshape(points, 64), by_parts.reshape(4 * points, 64)))
         self.per_length, self.turn = np.ones((self.items, points)), np.zeros((self.items, points), dtype=complex)
         at_rest = PlanarContinuumAt(self, np.swapaxes(rest, 1, 2).reshape(self.items, 8))
         rest_length = at_rest.size
@@ -128,26 +130,25 @@ class PlanarContinuumAt:
         """B alone, for many products."""
         return Frozen(self.kernel, self.matrix)
 
-    def _curve(self, stress: Array) -> tuple[Array, Complex]:
-        """sigma . d2(strain) as |dx|^2 e + Im(c_xx dx^2 + 2 c_xy dx dy): e [..., n, g], and c_xx, c_xy [..., n, 2 g]."""
+    def _curve(self, stress: Array) -> Array:
+        """sigma . d2(strain) as |dx|^2 e + Im(c_xx dx^2 + 2 c_xy dx dy): e, then real and imaginary parts of c_xx and c_xy [..., n, 5 g]."""
         k = self.kernel
         square = self.inverse * self.inverse
-        even = stress[..., 0, :] * (0.5 * k.per_length / self.size)
+        out = np.empty((*self.size.shape[:-1], 5 * k.points))
+        even = np.multiply(stress[..., 0, :], 0.5 * k.per_length / self.size, out=out[..., : k.points])
         moment = stress[..., 1, :] * k.per_length
         c = np.empty((*self.size.shape[:-1], 2 * k.points), dtype=complex)
         mixed = np.multiply(-moment, square, out=c[..., k.points :])
         c[..., : k.points] = -1j * even * self.size**2 * square - 2.0 * self.bend * mixed
-        return even, c
+        out[..., k.points :] = c.view(float)
+        return out
 
     def stiffness(self, stress: Array, modulus: Array) -> Array:
         """B' diag(modulus) B + sigma . d2(strain) [..., n, 8, 8]."""
-        k, (even, c) = self.kernel, self._curve(stress)
-        alike, twisted = (even @ k.pairs) * k.pair_scale, (c @ k.bent_pairs) * k.pair_scale
+        k = self.kernel
         weighed = modulus.reshape(*modulus.shape[:-2], -1, 1) * self.matrix
         out = np.swapaxes(self.matrix, -1, -2) @ weighed
-        blocks = out.reshape(*out.shape[:-2], 4, 2, 4, 2)
-        for i, j, part in ((0, 0, alike + twisted.imag), (1, 1, alike - twisted.imag), (0, 1, twisted.real), (1, 0, twisted.real)):
-            blocks[..., :, i, :, j] += part.reshape(*part.shape[:-1], 4, 4)
+        out += (self._curve(stress).dot(k.pairs) * k.pair_scale).reshape(out.shape)
         return out
 
     def swirl(self, v: Array) -> Array:

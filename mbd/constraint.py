@@ -13,7 +13,7 @@ The linear part of G is never evaluated again.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,11 +23,14 @@ from .rows import Row
 
 
 class Segments:
-    """Sums of consecutive entries along the last axis, prepared once. Keys must be sorted; ``keys`` lists the distinct ones."""
+    """Sums of consecutive entries along the last axis, prepared once. Keys must be sorted; ``keys`` lists the distinct ones, and ``place``
+    is where they stand: a slice where nothing lies between them, which is several times as fast as an index."""
 
     def __init__(self, keys: NDArray[np.intp]):
         self.keys, self.starts = np.unique(keys, return_index=True)
         self.trivial = self.keys.size == keys.size
+        first, size = int(self.keys[0]) if self.keys.size else 0, self.keys.size
+        self.place: Any = slice(first, first + size) if np.array_equal(self.keys, first + np.arange(size)) else self.keys
 
     def sum(self, values: Array) -> Array:
         return values if self.trivial else np.add.reduceat(values, self.starts, axis=-1)
@@ -41,12 +44,11 @@ class Sums:
         self.columns = np.concatenate([scalar.columns for scalar in scalars] or [np.zeros(0, np.intp)]) % n
         self.coefficients = np.concatenate([scalar.coefficients for scalar in scalars] or [np.zeros(0)])
         self.of = np.repeat(np.array(keys, dtype=np.intp), sizes)
-        self._segments = Segments(self.of)
-        self.keys = self._segments.keys
+        self.by_key = Segments(self.of)
 
     def __call__(self, q: Array) -> Array:
         """[..., keys]."""
-        return self._segments.sum(self.coefficients * q.take(self.columns, axis=-1))
+        return self.by_key.sum(self.coefficients * q.take(self.columns, axis=-1))
 
 
 class At(NamedTuple):
@@ -101,12 +103,15 @@ class Quadratic:
         varying, factor, coefficient = (np.concatenate(part) for part in zip(*parts))
         constant = self.linear_part.of * n + self.linear_part.columns
         keys, slot = np.unique(np.concatenate((varying, constant)), return_inverse=True)
+        last = np.bincount(slot[: varying.size], minlength=keys.size) > 0  # entries that vary come last: they are one slice
+        order = np.argsort(last, kind="stable")
+        keys, slot = keys[order], np.argsort(order)[slot]
         self.rows, self.cols = keys // n, keys % n
         self.fixed: Array = np.bincount(slot[varying.size :], self.linear_part.coefficients, minlength=keys.size).astype(float)
         order = np.argsort(slot[: varying.size], kind="stable")
         self.gradient_factor, self.gradient_coefficient = factor[order], coefficient[order]
         self.by_slot = Segments(slot[: varying.size][order])
-        self._offset = self.fixed[self.by_slot.keys]
+        self._offset = self.fixed[self.by_slot.place]
 
     def _compile_curvature(self) -> None:
         pair, i = self._entries(self.left)
@@ -137,8 +142,8 @@ class Quadratic:
         """g [..., m]."""
         g = np.empty((*at.q.shape[:-1], self.m))
         g[...] = self.constant
-        g[..., self.linear_part.keys] += self.linear_part(at.q)
-        g[..., self.by_row.keys] += self.by_row.sum(at.z[..., ::2] * at.z[..., 1::2])
+        g[..., self.linear_part.by_key.place] += self.linear_part(at.q)
+        g[..., self.by_row.place] += self.by_row.sum(at.z[..., ::2] * at.z[..., 1::2])
         return g
 
     def gradient(self, at: At) -> Array:
@@ -147,7 +152,7 @@ class Quadratic:
             return self.fixed
         values = np.empty((*at.q.shape[:-1], self.fixed.size))
         values[...] = self.fixed
-        values[..., self.by_slot.keys] = self._varying(at.z) + self._offset
+        values[..., self.by_slot.place] = self._varying(at.z) + self._offset
         return values
 
     def _varying(self, z: Array) -> Array:
@@ -157,7 +162,7 @@ class Quadratic:
         """Values of d(G v)/dq [..., nnz] on the pattern of G."""
         values = np.zeros((*v.shape[:-1], self.fixed.size))
         if not self.linear:
-            values[..., self.by_slot.keys] = self._varying(self.forms(v))
+            values[..., self.by_slot.place] = self._varying(self.forms(v))
         return values
 
     def bias(self, at: At, v: Array) -> Array:
@@ -165,7 +170,7 @@ class Quadratic:
         out = np.zeros((*v.shape[:-1], self.m))
         if not self.linear:
             rates = self.forms(v)
-            out[..., self.by_row.keys] = 2.0 * self.by_row.sum(rates[..., ::2] * rates[..., 1::2])
+            out[..., self.by_row.place] = 2.0 * self.by_row.sum(rates[..., ::2] * rates[..., 1::2])
         return out
 
     def curvature(self, at: At, multipliers: Array) -> Array:

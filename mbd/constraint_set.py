@@ -89,7 +89,12 @@ class JointsAt:
             return parts[0]
         if not parts:
             return np.zeros((*self.batch, 0))
-        return np.concatenate([np.broadcast_to(part, (*self.batch, part.shape[-1])) for part in parts], axis=-1)
+        out, first = np.empty((*self.batch, sum(part.shape[-1] for part in parts))), 0
+        for part in parts:  # some are the same for all configurations
+            last = first + part.shape[-1]
+            out[..., first:last] = part
+            first = last
+        return out
 
     @property
     def value(self) -> Array:

@@ -13,6 +13,25 @@ if TYPE_CHECKING:
     from .system import System
 
 
+SMALL = 2**13
+"""Entries of B up to which one product with all of it takes less time than those of each element."""
+
+
+class Slopes:
+    """B of all measures at one configuration, as one matrix."""
+
+    def __init__(self, transpose: Array):
+        self.matrix, self.transpose = transpose.T, transpose
+
+    def pull(self, stress: Array) -> Array:
+        """B' sigma [..., n]."""
+        return stress.dot(self.matrix)
+
+    def push(self, change: Array) -> Array:
+        """B dq [..., n_stresses]."""
+        return change.dot(self.transpose)
+
+
 class Strains:
     """All elastic measures at configurations [...]."""
 
@@ -43,8 +62,10 @@ class Strains:
         """B dq [..., n_stresses]."""
         return self._join([part.push(change) for part in self.parts], np.broadcast_shapes(self.batch, change.shape[:-1]))
 
-    def frozen(self) -> Strains:
+    def frozen(self) -> Strains | Slopes:
         """These strains for many products with B: ``push`` and ``pull`` only."""
+        if self.system.n * self.system.n_stresses <= SMALL:
+            return Slopes(self.push(np.eye(self.system.n)))
         other = copy(self)
         other.parts = [part.frozen() for part in self.parts]
         return other

@@ -42,8 +42,7 @@ class Inputs:
     @cached_property
     def loads(self) -> list[Array]:
         """The values that each kernel of loads takes."""
-        times = np.zeros(()) if self._system.steady else self._times
-        return [kernel.inputs(times) for kernel in self._system.loads]
+        return self._system.steady_loads if self._system.steady else [kernel.inputs(self._times) for kernel in self._system.loads]
 
     def __iter__(self) -> Iterator[Array]:
         return iter(self.loads)
@@ -161,6 +160,11 @@ class System:
 
     def strains(self, q: Array) -> Strains:
         return Strains(self, q)
+
+    @cached_property
+    def steady_loads(self) -> list[Array]:
+        """What kernels of loads that no function of time changes are given."""
+        return [kernel.inputs(np.zeros(())) for kernel in self.loads]
 
     def inputs(self, t: Array | float) -> Inputs:
         """What loads and drives are given as functions of time, at times t [...]."""

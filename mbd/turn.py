@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .affine import Affine, Array
 from .constraint import At, Quadratic
@@ -38,8 +37,8 @@ class Turning(NamedTuple):
 class _Posture(NamedTuple):
     sine: Array
     cosine: Array
+    weights: Array  # of C and S in g [..., 2 m]
     aligned: Array  # C and S [..., 2 m]
-    gradient: Array  # of C and S
     z: At
 
 
@@ -60,39 +59,41 @@ class Turn:
         self.linear = False
 
     def prepare(self, q: Array) -> _Posture:
-        z, phi = self.inner.prepare(q), q[..., self.phi]
-        return _Posture(np.sin(phi), np.cos(phi), self.inner.value(z), self.inner.gradient(z), z)
+        z, phi = self.inner.prepare(q), q.take(self.phi, axis=-1)
+        sine, cosine = np.sin(phi), np.cos(phi)
+        return _Posture(sine, cosine, np.concatenate((sine, -cosine), axis=-1), self.inner.value(z), z)
 
-    def _mix(self, p: _Posture, values: Array, owner: NDArray[np.intp]) -> Array:
-        """sin(phi) times what belongs to C, -cos(phi) times what belongs to S."""
-        return np.concatenate((p.sine, -p.cosine), axis=-1)[..., owner] * values
+    def _mix(self, p: _Posture, values: Array) -> Array:
+        """sin(phi) times what belongs to C, -cos(phi) times what belongs to S, of values on the pattern of their gradients."""
+        return p.weights.take(self.inner.rows, axis=-1) * values
 
-    def _mix_rate(self, p: _Posture, values: Array, owner: NDArray[np.intp]) -> Array:
+    def _mix_rate(self, p: _Posture, values: Array) -> Array:
         """The derivative of the mixture with respect to phi."""
-        return np.concatenate((p.cosine, p.sine), axis=-1)[..., owner] * values
+        return np.concatenate((p.cosine, p.sine), axis=-1).take(self.inner.rows, axis=-1) * values
 
     def value(self, p: _Posture) -> Array:
-        return p.sine * p.aligned[..., : self.m] - p.cosine * p.aligned[..., self.m :]
+        parts = p.weights * p.aligned
+        return parts[..., : self.m] + parts[..., self.m :]
 
     def _slope(self, p: _Posture) -> Array:
         return p.cosine * p.aligned[..., : self.m] + p.sine * p.aligned[..., self.m :]
 
     def gradient(self, p: _Posture) -> Array:
-        return np.concatenate((self._mix(p, p.gradient, self.inner.rows), self._slope(p)), axis=-1)
+        return np.concatenate((self._mix(p, self.inner.gradient(p.z)), self._slope(p)), axis=-1)
 
     def swirl(self, p: _Posture, v: Array) -> Array:
         turning = v[..., self.phi]
-        cross_term = self._mix_rate(p, p.gradient, self.inner.rows)
-        along = self._mix(p, self.inner.swirl(p.z, v), self.inner.rows) + turning[..., self.owner] * cross_term
+        cross_term = self._mix_rate(p, self.inner.gradient(p.z))
+        along = self._mix(p, self.inner.swirl(p.z, v)) + turning[..., self.owner] * cross_term
         return np.concatenate((along, self._sum(cross_term * v[..., self.inner.cols]) - turning * self.value(p)), axis=-1)
 
     def bias(self, p: _Posture, v: Array) -> Array:
         turning, inner = v[..., self.phi], self.inner.bias(p.z, v)
         mixed = p.sine * inner[..., : self.m] - p.cosine * inner[..., self.m :]
-        cross_term = self._sum(self._mix_rate(p, p.gradient, self.inner.rows) * v[..., self.inner.cols])
+        cross_term = self._sum(self._mix_rate(p, self.inner.gradient(p.z)) * v[..., self.inner.cols])
         return mixed + 2.0 * turning * cross_term - turning**2 * self.value(p)
 
     def curvature(self, p: _Posture, multipliers: Array) -> Array:
         weights = np.concatenate((p.sine * multipliers, -p.cosine * multipliers), axis=-1)
-        cross_term = self._mix_rate(p, p.gradient, self.inner.rows) * multipliers[..., self.owner]
+        cross_term = self._mix_rate(p, self.inner.gradient(p.z)) * multipliers[..., self.owner]
         return np.concatenate((self.inner.curvature(p.z, weights), cross_term, cross_term, -multipliers * self.value(p)), axis=-1)

@@ -2,7 +2,7 @@
 
 GGL-stabilised index 2, with stresses S iterated beside the coordinates; X' = A^-1 (X - x0) / h for stage values X:
     r1 = M (Q' - V) - G' mu                 (where G is constant and nothing driven: mu = 0, V = Q', left out)
-    r2 = M V' + B(Q)' S - load(Q, Q', t) + G' Lambda
+    r2 = M V' + B(Q)' S - load(Q, Q', t) + G' Lambda           in r2 + z r1 no V is left but v0
     r3 = gamma(Q) - c(t),   r4 = G V - c'(t)                   with c = 0 but where drives act
                                                                of nonholonomic rows r3 = h A (G Q' - c'), which G dQ changes alike
     r5 = C strain(Q) + eta B Q' - S                            so that one step may turn a stiff beam far
@@ -174,8 +174,7 @@ class StageEquations:
         system, strains = self.system, None
         q, q_rate = self.q0 + x.dq, self.rate.dot(x.dq)
         joints = system.joints.at(q)
-        v = x.v if at.mass_factor else q_rate
-        r2 = system.mass(self.rate.dot(v - self.v0)) - system.load(q, q_rate, self.inputs)
+        r2 = system.mass(self.rate.dot(q_rate - self.v0)) - system.load(q, q_rate, self.inputs)
         if system.n_stresses:
             strains = system.strains(q)
             r5 = system.stress(strains, q_rate) - x.stress
@@ -188,13 +187,14 @@ class StageEquations:
             g[:, slips] = np.linalg.solve(self.rate, (joints.push(q_rate) - self.goal.rate)[:, slips])
         if at.mass_factor is None:
             dq, d_multipliers = at.solve(-r2, -g)
-            dq_rate = dv = self.rate.dot(dq)
-            drift = x.drift
+            dq_rate, v, drift = self.rate.dot(dq), q_rate, x.drift
+            dv = dq_rate
         else:
-            r1 = system.mass(q_rate - v) - joints.pull(x.drift)
-            dq, y = at.solve(-r2 - self.rate.dot(r1), -g)
+            turning, v = joints.pull(x.drift), x.v
+            dq, y = at.solve(self.rate.dot(turning) - r2, -g)
             dq_rate = self.rate.dot(dq)
-            dv, d_drift = at.mass_factor.solve(system.mass(dq_rate) + r1, self.goal.rate - joints.push(v) - at.velocity_swirl(dq))
+            top, slip = system.mass(q_rate + dq_rate - v) - turning, joints.push(v) - self.goal.rate
+            dv, d_drift = at.mass_factor.solve(top, -slip - at.velocity_swirl(dq))
             d_multipliers = y + self.rate.dot(d_drift)
             drift = x.drift + d_drift
         stress = x.stress

@@ -69,13 +69,15 @@ def project_positions(
 
     Raises Inconsistent where it does not converge, unless a residual of at most the length ``allowed`` was reached on the way.
     """
+    if not system.m:
+        return q
     floor = floor_of(system, q)
-    best, nearest, fresh, effort = np.inf, q, factor is None or bool(system.joints.slips.size), np.zeros(system.m)
+    best, nearest, fresh, pull = np.inf, q, factor is None or bool(system.joints.slips.size), np.zeros(system.m)
     for _ in range(sweeps):
         joints = system.joints.at(q)
         gap = joints.value - target
         residual = np.abs(gap) * linear.reach
-        worst = float(np.max(residual, initial=0.0))
+        worst = float(residual.max())
         if worst <= floor or (worst <= 100.0 * floor and worst >= best):
             return q
         if not np.isfinite(worst):
@@ -86,11 +88,11 @@ def project_positions(
             factor = linear.factor(linear.tangent_of_positions(joints.gradient))
         assert factor is not None
         change, pull = factor.solve(np.zeros(system.n), -gap)
-        effort = np.abs(pull) / linear.scale[system.n :]
-        limit = 0.5 * system.length / max(float(np.max(np.abs(change) * system.levers)), 1e-300)
+        limit = 0.5 * system.length / max(float((np.abs(change) * system.levers).max()), 1e-300)
         q = q + min(1.0, limit) * change
     if best <= allowed:
         return nearest
+    effort = np.abs(pull) / linear.scale[system.n :]
     stuck = [int(row) for row in np.flatnonzero((residual > 0.1 * worst) | (effort > 0.1 * np.max(effort, initial=0.0)))]
     raise Inconsistent(Defect(f"positions cannot satisfy them together (a distance of {worst:.6g} remains)", stuck, []))
 
@@ -113,17 +115,18 @@ def settle(x: Array, gap: Callable[[Array], Array], correction: Callable[[Array]
 
 def floor_of(system: System, q: Array) -> float:
     """The residual of equations, as a length, that rounding leaves."""
-    return max(CONSISTENT * system.length, 4e-16 * float(np.max(np.abs(q), initial=0.0)))
+    return max(CONSISTENT * system.length, 4e-16 * float(np.abs(q).max()))
 
 
 def project_velocities(system: System, factor: Factor, q: Array, v: Array, target: Array = STILL.rate, *, sweeps: int = 8) -> Array:
     """v with G v = target, by the mass KKT matrix at q or near it; what remains shows in an audit."""
+    if not system.m:
+        return v
     joints, reach = system.joints.at(q), factor.linear.reach
-    best = np.inf
+    best, floor = np.inf, CONSISTENT * float((np.abs(v) * system.levers).max())
     for _ in range(sweeps):
-        floor = CONSISTENT * float(np.max(np.abs(v) * system.levers, initial=0.0))
         slip = joints.push(v) - target
-        worst = float(np.max(np.abs(slip) * reach, initial=0.0))
+        worst = float((np.abs(slip) * reach).max())
         if worst <= floor or worst >= best:
             break
         best = worst
