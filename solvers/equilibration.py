@@ -1,4 +1,4 @@
-"""Scales for a KKT matrix of very unequal masses.
+"""Scales for KKT matrices of very unequal masses or stiffnesses.
 
 In units in which every mass is 1, a light body that joints hold to heavy ones has equations that look dependent: the heavy hardly move for it.
 What a coordinate has to be scaled by is not its own mass but what moves with it. The scales d of a matching of rows and columns whose entries
@@ -14,6 +14,29 @@ from .system import Array, Index
 
 GRAIN = 2.0**-10
 """Logarithms are whole multiples of this: their sums are exact, without which the search for a matching may go round in circles."""
+
+
+def moved_with(diagonal: Array, rows: Index, cols: Index, slopes: Array, m: int) -> Array | None:
+    """[n]: scales of coordinates by the inertia that moves with them, from M's diagonal [n] and the magnitudes of entries of G [m, n], of which
+    those in one place are summed; None where coordinates have neither inertia nor equations enough."""
+    n = diagonal.size
+    own = np.arange(n)
+    keys, slot = np.unique(rows * n + cols, return_inverse=True)
+    top, left, sizes = keys // n + n, keys % n, np.bincount(slot, slopes, minlength=keys.size)
+    entries = np.concatenate((diagonal, sizes, sizes)).astype(float)
+    found = equilibrated(np.concatenate((own, top, left)), np.concatenate((own, left, top)), entries, n + m)
+    return None if found is None else found[:n]
+
+
+def alike(rows: Index, cols: Index, sizes: Array, together: Index) -> Array | None:
+    """[size]: scales that make the entries of a matrix alike, the same for unknowns of the same number in ``together`` [size]: what a beam
+    resists along and across itself stays apart wherever it points."""
+    found = equilibrated(rows, cols, sizes, together.size)
+    if found is None:
+        return None
+    smallest = np.full(together.size, np.inf)
+    np.minimum.at(smallest, together, found)
+    return smallest[together]
 
 
 def equilibrated(rows: Index, cols: Index, sizes: Array, count: int) -> Array | None:

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .equilibration import equilibrated
+from .equilibration import alike, moved_with
 from .formats import Format, Singular, Solve, cheapest
 from .ordering import half_bandwidth, reverse_cuthill_mckee
 from .system import Array, Index, System
@@ -106,7 +106,8 @@ class Linear:
         inertias = diagonal[diagonal > 0.0] / levers[diagonal > 0.0] ** 2
         if inertias.max(initial=0.0) > UNEVEN * inertias.min(initial=np.inf):
             turned = np.where(system.joints.constant_rows, 0.0, TURNED)[rows] * effect[rows] * levers[cols]
-            coordinates = _moved(system, diagonal, np.maximum(np.abs(gradient), turned), coordinates)
+            found = moved_with(diagonal, rows, cols, np.maximum(np.abs(gradient), turned), system.m)
+            coordinates = coordinates if found is None else found
         size = np.bincount(rows, (gradient * coordinates[cols]) ** 2, minlength=system.m)
         equations = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
         return np.concatenate((coordinates, equations))
@@ -175,16 +176,12 @@ class Linear:
         return Factor(self, solve, size, rcond)
 
     def _fair_condition(self, buffer: NDArray, solve: Solve) -> float:
-        """The reciprocal condition in units that make the entries alike, the same for all components of a vector: what a beam resists along and
-        across itself stays apart wherever it points."""
+        """The reciprocal condition in units that make the entries alike."""
         rows, cols, slots = self.pattern
         sizes = np.abs(buffer[slots])
-        found = equilibrated(rows, cols, sizes, self.size)
-        if found is None:
+        units = alike(rows, cols, sizes, self._together)
+        if units is None:
             return 0.0
-        smallest = np.full(self.size, np.inf)
-        np.minimum.at(smallest, self._together, found)
-        units = smallest[self._together]
         norm = float(np.max(np.bincount(cols, units[rows] * sizes * units[cols])))
         return _reciprocal_condition(self.size, norm, lambda right: solve(right / units) / units)
 
@@ -215,16 +212,6 @@ class Linear:
     def soften(self) -> None:
         """From now on, redundant equations are allowed."""
         self.softened, self.constant_factor = True, None
-
-
-def _moved(system: System, diagonal: Array, slopes: Array, otherwise: Array) -> Array:
-    """[n]: scales of coordinates by the inertia that moves with them, from magnitudes of the entries of M's diagonal and of G."""
-    n, own = system.n, np.arange(system.n)
-    keys, slot = np.unique(system.joints.rows * n + system.joints.cols, return_inverse=True)
-    rows, cols, sizes = keys // n + n, keys % n, np.bincount(slot, slopes, minlength=keys.size)
-    both_rows, both_cols = np.concatenate((own, rows, cols)), np.concatenate((own, cols, rows))
-    found = equilibrated(both_rows, both_cols, np.concatenate((diagonal, sizes, sizes)).astype(float), n + system.m)
-    return otherwise if found is None else found[:n]
 
 
 class Factor:
