@@ -8,6 +8,7 @@ may leap across such a position without a stage near it.
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,6 +22,9 @@ MOST, AT_ONCE = 100, 64
 
 COARSE, FINE = np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 33)
 """Fractions of a step at which it is looked at, and looked at again: bodies may turn far in a step, not between two of these."""
+
+FAR = 0.5
+"""Change of a slope within a step, as a share of the largest, above which its ends do not tell what lies between."""
 
 
 class Passage(NamedTuple):
@@ -43,11 +47,22 @@ def passages(trajectory: Trajectory) -> list[Passage]:
 
 
 def _turns(system: System, linear: Any, steps: list[tuple[Any, Any]]) -> Array:
-    """Whether the determinant is negative anywhere along each of these steps."""
+    """Whether the determinant is negative anywhere along each of these steps, one after the other."""
     from .solvers.start import hermite
 
-    slopes = [_slopes(system, linear, q) for q in zip(*(hermite(*step, COARSE)[0] for step in steps))]
-    return np.any([_flips(*pair) for pair in zip(slopes, slopes[1:])], axis=0)
+    ends = _slopes(system, linear, [steps[0][0].q, *(after.q for _, after in steps)])
+    turns = _flips(ends[:-1], ends[1:])
+    far = np.flatnonzero(np.max(np.abs(np.diff(ends, axis=0)), axis=(1, 2)) > FAR * np.max(np.abs(ends)))
+    if far.size:
+        before, after = (_stacked([steps[k][side] for k in far]) for side in (0, 1))
+        slopes = [_slopes(system, linear, q) for q in hermite(before, after, COARSE)[0]]
+        turns[far] = np.any([_flips(*pair) for pair in zip(slopes, slopes[1:])], axis=0)
+    return turns
+
+
+def _stacked(states: list[Any]) -> Any:
+    """As one, with arrays [k, 1] and [k, n]."""
+    return SimpleNamespace(**{name: np.array([np.atleast_1d(getattr(state, name)) for state in states]) for name in ("t", "q", "v")})
 
 
 def _flips(before: Array, after: Array) -> Array:

@@ -145,8 +145,9 @@ def project_samples(system: System, linear: Linear, q: Array, v: Array, goal: Ta
 
 
 def hermite(before: State, after: State, fraction: Array) -> tuple[Array, Array]:
-    """q, v [k, n] on the cubic between two states, at fractions [k] of the step."""
-    x, h = fraction[:, None], after.t - before.t
+    """q, v [k, n] on the cubic between two states, at fractions [k] of the step; [k, steps, n] where states of several steps are stacked,
+    with their times as [steps, 1]."""
+    x, h = fraction.reshape(-1, *(1,) * before.q.ndim), after.t - before.t
     jump = after.q - before.q
     q = before.q + (3.0 * x**2 - 2.0 * x**3) * jump + h * ((x - 2.0 * x**2 + x**3) * before.v + (x**3 - x**2) * after.v)
     v = (6.0 * x - 6.0 * x**2) * jump / h + (1.0 - 4.0 * x + 3.0 * x**2) * before.v + (3.0 * x**2 - 2.0 * x) * after.v
