@@ -12,7 +12,7 @@ Newton's iterations and ``refined`` remove its trace from the solution.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -64,15 +64,13 @@ class Linear:
         self.n, self.size, self.origin = n, n + m, q
         joints = system.joints
         top, left = joints.rows + n, joints.cols
-        corner = n + np.arange(m)
-        rolling = np.setdiff1d(joints.cols[np.isin(joints.rows, joints.slips)], system.mass_rows)
-        rows = np.concatenate((system.mass_rows, system.stiffness_rows, system.damping_rows, top, left, corner, rolling))
-        cols = np.concatenate((system.mass_cols, system.stiffness_cols, system.damping_cols, left, top, corner, rolling))
-        self._entries = rows, cols
+        corner, rolling = n + np.arange(m), _rolling(system)
+        rows, cols = _entries(system)
         order = reverse_cuthill_mckee(rows, cols, self.size)
         self.format: Format = cheapest(self.size, half_bandwidth(rows, cols, order), rows, cols)
         self.order = order if self.format.name == "band" else np.arange(self.size)
         self.place = np.argsort(self.order)
+        self._entries = partial(_entries, system)
         self._below = self.order >= n
         self._together = np.concatenate((system.vectors, n + np.arange(m)))[self.order]
         self.scale = self._scales(system, q)
@@ -188,7 +186,8 @@ class Linear:
     @cached_property
     def pattern(self) -> tuple[Index, Index, Index]:
         """Rows and columns, in the order of the format, of all entries, each once, and their slots."""
-        keys = np.unique(self.place[self._entries[1]] * self.size + self.place[self._entries[0]])
+        rows, cols = self._entries()  # seldom asked for, and as large as the matrices: not kept
+        keys = np.unique(self.place[cols] * self.size + self.place[rows])
         rows, cols = keys % self.size, keys // self.size
         return rows, cols, self.format.slot(rows, cols)
 
@@ -231,6 +230,21 @@ class Factor:
     def solve_scaled(self, right: NDArray) -> NDArray:
         """The solution in scaled unknowns [size] or [k, size], from ``linear.enter`` and for ``linear.leave``."""
         return self.raw((right * self.weight).T).T * self.weight
+
+
+def _rolling(system: System) -> Index:
+    """Coordinates without mass that nonholonomic rows move: while these rows are left out, the diagonal holds them."""
+    joints = system.joints
+    return np.setdiff1d(joints.cols[np.isin(joints.rows, joints.slips)], system.mass_rows)
+
+
+def _entries(system: System) -> tuple[Index, Index]:
+    """Rows and columns of all entries of the KKT matrix; some are there several times."""
+    top, left, corner, rolling = system.joints.rows + system.n, system.joints.cols, system.n + np.arange(system.m), _rolling(system)
+    return (
+        np.concatenate((system.mass_rows, system.stiffness_rows, system.damping_rows, top, left, corner, rolling)),
+        np.concatenate((system.mass_cols, system.stiffness_cols, system.damping_cols, left, top, corner, rolling)),
+    )
 
 
 def _reciprocal_condition(size: int, norm: float, solve: Solve) -> float:
