@@ -14,8 +14,9 @@ from benchmarks.verify import LEAST, MESHES, MOST, NAMES, PRICE, measure, page, 
 from benchmarks.verify_cases import BY_NAME, CASES, Case
 
 DOCS = Path(__file__).parents[2] / "docs"
-DEAR = {("flexible slider-crank", "rtol 1e-05")}
-"""Vibrations come in that looser runs leave out: work jumps beyond 1e-5, and the last run is dearer than these let forecast."""
+DEAR = {("flexible slider-crank", "rtol 1e-05"), ("four-bar 2", "rtol 1e-07")}
+"""Vibrations come in that looser runs leave out: work jumps beyond 1e-5, and the last run is dearer than these let forecast. A looser run
+meets its singular positions at worse places and costs more than the one asked for."""
 ENTRIES: dict[str, list[dict[str, Any]]] = json.loads((DOCS / "verify.json").read_text())
 
 
