@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -37,7 +38,8 @@ def _finished(solve: Callable[[], bool], machine: Machine) -> np.ndarray:
     try:
         done = solve()
     except Exception as error:  # of several kinds; the text is all there is to tell
-        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+        text = re.sub(r" *\[Python file [^\]]*\]", "", str(error))  # where on this machine its caller lies
+        lines = [line.strip() for line in text.splitlines() if line.strip()]
         raise PeerFailure(lines[0] if lines else type(error).__name__) from None
     if not done:
         raise PeerFailure("the solver returned False")
