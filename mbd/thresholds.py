@@ -162,13 +162,13 @@ for _name in ("lt", "le", "gt", "ge"):
     setattr(Noting, f"__{_name}__", _compared(getattr(operator, _name)))
 Noting.__mod__, Noting.__floordiv__ = _cut(operator.mod, 1.0), _cut(operator.floordiv, 0.0)  # type: ignore[method-assign, assignment]
 
-_COMPARISONS = {np.less, np.less_equal, np.greater, np.greater_equal}
+_COMPARISONS = dict(zip((np.less, np.less_equal, np.greater, np.greater_equal), (operator.lt, operator.le, operator.gt, operator.ge)))
 
 _TABLES = {np.interp: (0, 1), np.searchsorted: (1, 0), np.digitize: (0, 1)}
 """Which of a function's arguments is looked up in which."""
 
 _KNOWN: dict[Any, Callable[..., Any]] = {
-    **dict(zip((np.less, np.less_equal, np.greater, np.greater_equal), (operator.lt, operator.le, operator.gt, operator.ge))),
+    **_COMPARISONS,
     **dict(zip((np.add, np.subtract, np.multiply, np.divide, np.power), (operator.add, operator.sub, operator.mul, operator.truediv, operator.pow))),
     np.remainder: operator.mod, np.floor_divide: operator.floordiv, np.negative: operator.neg, np.square: lambda x: x * x,
     np.absolute: abs, np.fabs: abs, np.maximum: max, np.minimum: min, np.fmax: max, np.fmin: min,

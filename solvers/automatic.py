@@ -19,9 +19,6 @@ from .radau import Radau, RadauIIA
 from .start import accelerations, mass_factor
 from .system import Array, Index, System
 
-IMPLICIT_STEPS = 1
-"""Steps that the implicit method takes before the explicit one is tried again."""
-
 IMPLICIT, EXPLICIT = 0, 1
 
 STABLE, ALARMS = 6.1, 15

@@ -70,11 +70,13 @@ def march(
         tried = _accepted(system, linear, method, record, state, pace, tolerance)
         if tried is None:
             return
-        attempt, landed, stopped = tried
+        attempt, stopped = tried
         last = watch(state, attempt)
         if last is not None and last.state is not None:
-            attempt, landed, t_end = last, last.state, last.state.t
+            attempt, t_end = last, last.state.t
             record.tried(last)
+        landed = attempt.state
+        assert landed is not None
         record.accept(landed._replace(memory=method.kept(landed.memory)), attempt.error)
         note(attempt)
         state = landed._replace(memory=None) if stopped else landed  # no forecast reaches across what may jump at a stop
@@ -82,8 +84,8 @@ def march(
 
 def _accepted(
     system: System, linear: Linear, method: Integrator, record: Record, state: State, pace: Pace, tolerance: float
-) -> tuple[Attempt, State, bool] | None:
-    """The first attempt that is accepted, the state where it lands, and whether on a stop; None where steps become too short."""
+) -> tuple[Attempt, bool] | None:
+    """The first attempt that is accepted, and whether it lands on a stop; None where steps become too short."""
     while True:
         h, stop = pace.offer(state.t)
         attempt = method.step(system, linear, state, h, tolerance)
@@ -91,7 +93,7 @@ def _accepted(
         if attempt.state is not None and (attempt.error <= 1.0 or method.fixed is not None):
             landed = attempt.state if stop is None else attempt.state._replace(t=stop)
             pace.accepted(landed.t, h, attempt)
-            return attempt if stop is None else attempt._replace(state=landed), landed, stop is not None
+            return attempt._replace(state=landed), stop is not None
         record.refuse(attempt)
         pace.refused(h, attempt)
         if pace.exhausted(state.t):

@@ -107,4 +107,3 @@ def independent(pivots: Array, sizes: Array) -> bool:
 
     In a long chain the last equation keeps no more than one part in its number."""
     return bool((pivots * pivots > NEARLY_SINGULAR * min(1.0, MANY / pivots.shape[-1]) * sizes).all())
-
