@@ -71,8 +71,10 @@ def look(system: Any, start: float, end: float) -> Found:
             restless[signal.item] = turns
     for signal in _silent(target.signals for _, target in system.joints.drives):
         found, turns = _seen(signal, at)
-        if turns or np.any(np.diff(np.unique(found)) < np.min(np.diff(at))):
-            restless[signal.item] = MOST_STEPS
+        if np.any(np.diff(np.unique(found)) < np.min(np.diff(at))):
+            turns = MOST_STEPS
+        if turns:
+            restless[signal.item] = turns
     return Found(np.unique(np.array(times)), restless)
 
 

@@ -196,3 +196,10 @@ def test_pulses_of_drives_are_told(speed: Function, told: bool) -> None:
         warnings.simplefilter("always")
         mbd.simulate(scene, 1.0)
     assert any("'drive' change more often, or for a shorter time" in str(w.message) for w in caught) == told
+
+
+def test_a_fast_drive_is_told_by_how_often_it_turns_round() -> None:
+    """A run with more steps than that sees it."""
+    drive = SimpleNamespace(signals=[Signal(lambda t: np.sin(1e4 * t), (), "drive", "")])
+    system = SimpleNamespace(loads=[], joints=SimpleNamespace(drives=[(slice(0, 1), drive)]))
+    assert 1000 < look(system, 0.0, 1.0).restless["drive"] < SAMPLES
