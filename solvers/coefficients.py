@@ -127,29 +127,11 @@ class Tableau:
         half, start = np.array([0.5]), np.zeros(1)
         self.middle, self.middle_stages = self.extend(half, with_start=True)[0], self.extend(half, with_start=False)[0]
         self.back_to_start = self.extend(start, with_start=False)[0]
-        self._forecast = {
-            start: _fit(np.concatenate((np.zeros(1), self.c)) if start else self.c, (self.stages + 3) // 2 - (not start)) for start in (True, False)
-        }
 
     def extend(self, at: Array, *, with_start: bool) -> Array:
         """[points, s (+ 1)]: the stage polynomial (with its value at 0 first) evaluated at fractions of the step, also beyond 1."""
         nodes = np.concatenate((np.zeros(1), self.c)) if with_start else self.c
         return lagrange(nodes, np.asarray(at, dtype=float))
-
-    def forecast(self, at: Array, *, with_start: bool) -> Array:
-        """[points, s (+ 1)]: as ``extend``, for fractions beyond 1, from a fit of lower degree, (s + 3) / 2, through the step's end. The full
-        polynomial would magnify what Newton's iteration left in the stages, for 7 stages one step ahead by 1e5; this one by 3e3."""
-        fit = self._forecast[with_start]
-        ahead = (np.asarray(at, dtype=float)[:, None] - 1.0) ** np.arange(1, len(fit) + 1)
-        back = ahead @ fit
-        back[:, -1] += 1.0
-        return back
-
-
-def _fit(nodes: Array, degree: int) -> Array:
-    """[degree, nodes]: least-squares coefficients of (x - 1)^k, k = 1..degree, in the differences from the value at the last node, 1."""
-    inverse = np.linalg.pinv((nodes[:-1, None] - 1.0) ** np.arange(1, degree + 1))
-    return np.concatenate((inverse, -inverse.sum(axis=1, keepdims=True)), axis=1)
 
 
 class GaussLobatto:

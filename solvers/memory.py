@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from . import automatic, gauss, generalized_alpha, projected, radau
+from . import automatic, forecast, gauss, generalized_alpha, projected, radau
 from .index_one import index_one
 from .linear import Linear
 from .stages import Stages
@@ -62,7 +62,7 @@ class _Checked:
 def _radau(method: Any, system: System, linear: Linear, of: _Checked) -> Any:
     n, m, k, s = system.n, system.m, system.n_stresses, method.table.stages
     stages = Stages(*(of(f"stages.{name}", s, width) for name, width in zip(Stages._fields, (n, n, m, m, k))))
-    return radau.Memory(of.number("h"), of("q0", n), of("v0", n), of("stress0", k), stages, s)
+    return forecast.Memory(of.number("h"), of("v0", n), of("stress0", k), stages, s)
 
 
 def _alpha(method: Any, system: System, linear: Linear, of: _Checked) -> Any:

@@ -7,16 +7,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from numbers import Real
-from typing import NamedTuple
 
 import numpy as np
 
 from .coefficients import tableau
+from .forecast import Memory, forecast
 from .formats import Singular
 from .linear import Linear
 from .newton import Outcome, iterate, middle_of
 from .protocol import Attempt, State
-from .stages import Derivatives, Middle, StageEquations, Stages
+from .stages import Derivatives, StageEquations, Stages
 from .start import Inconsistent, hermite, mass_factor, project_positions, project_samples, project_velocities
 from .system import Array, System, Targets, targets
 
@@ -50,17 +50,6 @@ class Radau:
         return RadauIIA(stages, self.step, rtol)
 
 
-class Memory(NamedTuple):
-    """What the last step leaves to predict the next: its length, start, and stages."""
-
-    h: float
-    q0: Array
-    v0: Array
-    stress0: Array
-    stages: Stages
-    n_stages: int
-
-
 class RadauIIA:
     """The s-stage method. ``fixed`` is its step, or None; ``rtol`` serves values inside of steps."""
 
@@ -73,7 +62,7 @@ class RadauIIA:
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:
         """One step of length h; ``tolerance`` is a length: the local error allowed in positions."""
         table, tolerance = self.table, min(tolerance, linear.coarsest)
-        guess, middle = self._predict(system, state, h)
+        guess, middle = forecast(system, state, table.c, h)
         inputs = system.inputs(state.t + table.c * h)
         equations = StageEquations(system, table, h, state.q, state.v, inputs)
         try:
@@ -87,7 +76,7 @@ class RadauIIA:
                 q, v = self._landed(system, linear, q, v, targets(inputs))
         except (Singular, Inconsistent) as trouble:
             return Attempt(None, np.inf, 1.0, 1.0, 0, f"singular equations ({trouble})")
-        memory = Memory(h, state.q, state.v, state.stress, x, table.stages)
+        memory = Memory(h, state.v, state.stress, x, table.stages)
         nodes = (state.t + table.c * h, state.q + x.dq, x.v, table.b * h)
         after = State(state.t + h, q, v, x.multipliers[-1].copy(), x.stress[-1].copy(), memory)
         return Attempt(after, error, table.stages + 1.0, found.rate, found.solves, nodes=nodes, multipliers=x.multipliers)
@@ -103,25 +92,6 @@ class RadauIIA:
             return q, v
         q = project_positions(system, linear, q, goal.value[-1], factor=factor, sweeps=8)
         return q, project_velocities(system, factor, q, v, goal.rate[-1])
-
-    def _predict(self, system: System, state: State, h: float) -> tuple[Stages, Middle]:
-        """Stages and middle by the polynomials of the last step; from a start, by constant velocity and stress."""
-        c = self.table.c
-        s, m = c.size, system.m
-        if state.memory is None:
-            dq = np.outer(c, h * state.v)
-            stages = Stages(dq, np.tile(state.v, (s, 1)), np.tile(state.multipliers, (s, 1)), np.zeros((s, m)), np.tile(state.stress, (s, 1)))
-            return stages, Middle(state.q + 0.5 * h * state.v, state.v, state.multipliers, state.stress)
-        memory: Memory = state.memory
-        last = tableau(memory.n_stages)
-        points = 1.0 + np.concatenate((c, [0.5])) * (h / memory.h)
-        wide, narrow = last.forecast(points, with_start=True), last.forecast(points, with_start=False)
-        dq = wide[:, 1:] @ memory.stages.dq + (memory.q0 - state.q)
-        v = wide[:, :1] * memory.v0 + wide[:, 1:] @ memory.stages.v
-        multipliers = narrow @ memory.stages.multipliers
-        stress = wide[:, :1] * memory.stress0 + wide[:, 1:] @ memory.stages.stress
-        stages = Stages(dq[:-1], v[:-1], multipliers[:-1], np.zeros((s, m)), stress[:-1])
-        return stages, Middle(state.q + dq[-1], v[-1], multipliers[-1], stress[-1])
 
     def _refused(self, found: Outcome, linear: Linear) -> Attempt:
         residual = np.max(np.abs(found.residual), axis=0, initial=0.0) * linear.reach
