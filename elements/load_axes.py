@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from mbd.affine import Affine, Array
-from mbd.signal import Signal
 
 
 class Axes:
@@ -29,11 +28,6 @@ class Axes:
     def value(self, q: Array) -> Array:
         """[..., n, a, d]."""
         return self.constant + np.einsum("nadk,...nk->...nad", self.matrix, q[..., self.dofs])
-
-
-def samples(signals: Sequence[Signal], times: Array) -> Array:
-    """[..., n, *shape]."""
-    return np.stack([signal.sample(times) for signal in signals], axis=times.ndim)
 
 
 def unit_gradient(e: Array) -> Array:

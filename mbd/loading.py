@@ -14,13 +14,7 @@ import numpy as np
 from .affine import Array
 from .model import Model, build
 from .scatter import Scatter
-from .system import System
-
-
-class _Inputs(NamedTuple):
-    """Values that kernels of loads take."""
-
-    loads: list[Array]
+from .system import Inputs, System
 
 
 class Shares(NamedTuple):
@@ -29,9 +23,8 @@ class Shares(NamedTuple):
     base: list[Array]
     share: list[Array]
 
-    def at(self, inputs: Any, s: float) -> Any:
-        factors = (base + s * share for base, share in zip(self.base, self.share))
-        return _Inputs([values * factor.reshape(-1, *[1] * (values.ndim - 1)) for values, factor in zip(inputs.loads, factors)])
+    def at(self, inputs: Inputs, s: float) -> Inputs:
+        return inputs.scaled(base + s * share for base, share in zip(self.base, self.share))
 
 
 def _chosen(system: System, names: Iterable[str]) -> list[Array]:
@@ -69,7 +62,7 @@ class Loading:
         chosen = _chosen(system, names)
         return cls(system, t, Shares([1.0 - part for part in chosen], chosen), system.constant_force - dead, dead)
 
-    def inputs(self, s: float) -> Any:
+    def inputs(self, s: float) -> Inputs:
         """What kernels of loads are given."""
         return self._shares.at(self._inputs, s)
 

@@ -11,7 +11,7 @@ Tangents: K = d(M a - f + B' sigma + G' lambda)/dq, D = B' eta B - df/dv, as val
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from typing import Any
 
@@ -46,6 +46,17 @@ class Inputs:
 
     def __iter__(self) -> Iterator[Array]:
         return iter(self.loads)
+
+    def scaled(self, factors: Iterable[Array]) -> Inputs:
+        """The same with the values of each kernel's items [n] times factors [n]."""
+        view = Inputs(self._system, self._times)
+        view.loads = [values * factor.reshape(-1, *[1] * (values.ndim - 1)) for values, factor in zip(self.loads, factors)]
+        return view
+
+    @cached_property
+    def dead(self) -> Array:
+        """Weight and all forces that depend on time alone [..., n]; [n] where they are constant."""
+        return self._system.dead_load(self.loads)
 
     @cached_property
     def targets(self) -> Targets:
@@ -93,10 +104,12 @@ class System:
         local = [kernel.dofs.ravel() for kernel in self.measures] or [np.zeros(0, np.intp)]
         self.scatter = Scatter(np.concatenate(local), self.n)
         self.loads = build(model.loads)
-        self.load_scatters = [Scatter(kernel.dofs, self.n) for kernel in self.loads]
+        self._load_scatters = [Scatter(kernel.dofs, self.n) for kernel in self.loads]
         self.steady = all(signal.function is None for kernel in self.loads for signal in kernel.signals)
         self._rated = [getattr(kernel, "depends_on_rate", False) for kernel in self.loads]  # then methods take (q, v, inputs)
         self.affine = self.steady and not any(self._rated) and all(kernel.linear_in_q for kernel in self.loads)
+        self._dead_loads = [i for i, kernel in enumerate(self.loads) if kernel.constant_in_q and not self._rated[i]]
+        self._live_loads = [i for i in range(len(self.loads)) if i not in self._dead_loads]
         self.damped = self.viscosity is not None or any(self._rated)
         self.driven = bool(model.drives)
         self._compile_tangent()
@@ -172,11 +185,21 @@ class System:
 
     def load(self, q: Array, v: Array, inputs: Inputs) -> Array:
         """Weight, forces and torques [..., n]; [n] where they are constant."""
-        total = self.constant_force
-        for kernel, rated, scatter, values in zip(self.loads, self._rated, self.load_scatters, inputs.loads):
-            local = kernel.force(q, v, values) if rated else kernel.force(q, values)
-            total = total + scatter(local.reshape(*local.shape[:-2], -1))
+        total = inputs.dead
+        for i in self._live_loads:
+            kernel, values = self.loads[i], inputs.loads[i]
+            total = total + self._scattered(i, kernel.force(q, v, values) if self._rated[i] else kernel.force(q, values))
         return total
+
+    def dead_load(self, values: list[Array]) -> Array:
+        """The part of the load that depends on neither q nor v, from what all kernels of loads are given."""
+        total = self.constant_force
+        for i in self._dead_loads:
+            total = total + self._scattered(i, self.loads[i].force(self.q0, values[i]))
+        return total
+
+    def _scattered(self, i: int, local: Array) -> Array:
+        return self._load_scatters[i](local.reshape(*local.shape[:-2], -1))
 
     def stress(self, strains: Strains, v: Array) -> Array:
         """C strain + eta d(strain)/dt [..., n_stresses]."""
