@@ -110,6 +110,7 @@ class System:
         self.affine = self.steady and not any(self._rated) and all(kernel.linear_in_q for kernel in self.loads)
         self._dead_loads = [i for i, kernel in enumerate(self.loads) if kernel.constant_in_q and not self._rated[i]]
         self._live_loads = [i for i in range(len(self.loads)) if i not in self._dead_loads]
+        self._loaded = bool(self.loads) or bool(self.dead.any())
         self.damped = self.viscosity is not None or any(self._rated)
         self.driven = bool(model.drives)
         self._compile_tangent()
@@ -249,15 +250,15 @@ class System:
     @property
     def exchanges(self) -> bool:
         """Whether loads, drives or dampers do work that no potential knows."""
-        return bool(self.loads or self.joints.drives) or self.viscosity is not None or bool(self.dead.any())
+        return self._loaded or bool(self.joints.drives) or self.viscosity is not None
 
     def power(self, q: Array, v: Array, inputs: Inputs, multipliers: Array | None = None) -> Array:
         """[...] of loads, dampers and, given the multipliers [..., m], drives [W]; gravity and elastic forces are in the energy."""
-        total = np.sum((self.load(q, v, inputs) - self.weight) * v, axis=-1)
+        total = ((self.load(q, v, inputs) - self.weight) * v).sum(axis=-1) if self._loaded else np.zeros(v.shape[:-1])
         if self.viscosity is not None:
             total = total - np.sum(self.viscosity * self.strains(q).push(v) ** 2, axis=-1)
         if self.joints.drives and multipliers is not None:
-            total = total - np.sum(multipliers * inputs.targets.rate, axis=-1)  # the force -G' lambda on what moves with G v = c'
+            total = total - (multipliers * inputs.targets.rate).sum(axis=-1)  # the force -G' lambda on what moves with G v = c'
         return total
 
     def label(self, row: int) -> str:
