@@ -18,7 +18,7 @@ from mbd.maps import Maps
 from mbd.marker import Marker
 from mbd.signal import Samples, Signal
 
-from .load_axes import Axes, unit_gradient
+from .load_axes import Axes, along, unit_gradient
 
 if TYPE_CHECKING:
     from mbd.model import Model
@@ -112,9 +112,7 @@ class FollowerForces:
         return self.axes.value(q)[..., : self.count, :]
 
     def force(self, q: Array, inputs: Array) -> Array:
-        e = self._axis_values(q)
-        total = np.einsum("...na,...nad->...nd", inputs, e / np.linalg.norm(e, axis=-1, keepdims=True))
-        return np.einsum("...nd,ndk->...nk", total, self.axes.matrix[:, -1])
+        return (along(self._axis_values(q), inputs)[..., None, :] @ self.axes.matrix[:, -1])[..., 0, :]
 
     def gradient(self, q: Array, inputs: Array) -> Array:
         """df/dq [..., n, k, k]."""

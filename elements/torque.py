@@ -22,7 +22,7 @@ from mbd.maps import Maps
 from mbd.marker import Marker
 from mbd.signal import Samples, Signal
 
-from .load_axes import Axes, inverse_gradient, unit_gradient
+from .load_axes import Axes, along, crossing, inverse_gradient, squares, unit_gradient
 
 if TYPE_CHECKING:
     from mbd.model import Model
@@ -146,16 +146,14 @@ class _SpatialTorques:
 
     def force(self, q: Array, torque: Array) -> Array:
         e = self.axes.value(q)
-        on_axes = self.share * np.cross(torque[..., None, :], e) / np.sum(e**2, axis=-1, keepdims=True)
-        return np.einsum("...nad,nadk->...nk", on_axes, self.axes.matrix)
+        return self.axes.pull(e @ crossing(self.share * torque) / squares(e)[..., None])
 
     def gradient(self, q: Array, torque: Array, torque_gradient: Array | None) -> Array:
         e = self.axes.value(q)
         by_axis = inverse_gradient(e) @ self.axes.matrix
-        turned = np.cross(torque[..., None, :, None], by_axis, axisa=-2, axisb=-2, axisc=-2)
+        turned = np.swapaxes(crossing(torque), -1, -2)[..., None, :, :] @ by_axis
         if torque_gradient is not None:
-            arm = (e / np.sum(e**2, axis=-1, keepdims=True))[..., None]
-            turned = turned + np.cross(torque_gradient[..., None, :, :], arm, axisa=-2, axisb=-2, axisc=-2)
+            turned = turned + crossing(e / squares(e)[..., None]) @ torque_gradient[..., None, :, :]  # x cross y as a matrix on x
         return self.share * np.einsum("nadk,...nadl->...nkl", self.axes.matrix, turned)
 
 
@@ -189,8 +187,7 @@ class FollowerTorques:
         return self._samples(times)
 
     def _torque(self, q: Array, inputs: Array) -> Array:
-        e = self.common.axes.value(q)
-        return np.einsum("...na,...nad->...nd", inputs, e / np.linalg.norm(e, axis=-1, keepdims=True))
+        return along(self.common.axes.value(q), inputs)
 
     def force(self, q: Array, inputs: Array) -> Array:
         return self.common.force(q, self._torque(q, inputs))

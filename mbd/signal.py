@@ -86,7 +86,8 @@ class Signal:
 
     def _beside(self, t: float) -> float:
         k = bisect_left(self._jumps, t)
-        return t + BESIDE * math.ulp(t) if any(same(t, jump) for jump in self._jumps[max(k - 1, 0) : k + 1]) else t
+        at = (k < len(self._jumps) and same(t, self._jumps[k])) or (k > 0 and same(t, self._jumps[k - 1]))
+        return t + BESIDE * math.ulp(t) if at else t
 
     def _call(self, t: float) -> Array:
         assert self.function is not None
