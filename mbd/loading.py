@@ -30,7 +30,12 @@ class Shares(NamedTuple):
 def _chosen(system: System, names: Iterable[str]) -> list[Array]:
     """For each kernel of loads: 1 for the items of these names, 0 for others."""
     wanted = set(names)
-    return [np.array([float(signal.item in wanted) for signal in kernel.signals]) for kernel in system.loads]
+    return [np.array([float(item in wanted) for item in _items(kernel)]) for kernel in system.loads]
+
+
+def _items(kernel: Any) -> list[str]:
+    """The names of those that inputs scale: one for each signal, unless the kernel says otherwise."""
+    return getattr(kernel, "items", [signal.item for signal in kernel.signals])
 
 
 class Loading:
@@ -53,7 +58,7 @@ class Loading:
         grow. Where the start is free of stress, that is nothing.
         """
         held = system.strains(q).pull(stress) if system.n_stresses else np.zeros(system.n)
-        shares = Shares([np.zeros(len(kernel.signals)) for kernel in system.loads], [1.0 - chosen for chosen in _chosen(system, without)])
+        shares = Shares([np.zeros(len(_items(kernel))) for kernel in system.loads], [1.0 - chosen for chosen in _chosen(system, without)])
         return cls(system, t, shares, held, system.constant_force - dead - held, q)
 
     @classmethod
