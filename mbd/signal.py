@@ -101,7 +101,8 @@ class Samples:
     def __init__(self, signals: Sequence[Signal]):
         shape = signals[0].shape
         self._constant = np.array([np.zeros(shape) if signal.function else signal.constant for signal in signals])
-        self._functions = [((..., k, *[slice(None)] * len(shape)), signal) for k, signal in enumerate(signals) if signal.function]
+        places = (slice(None),) * len(shape)
+        self._functions: list[tuple[Any, Signal]] = [((..., k, *places), signal) for k, signal in enumerate(signals) if signal.function]
 
     def __call__(self, times: Array) -> Array:
         if not self._functions:
