@@ -80,6 +80,7 @@ class Pursuit:
 
     def __init__(self, *, at: NDArray[np.intp], gains: Array, targets: Sequence[Position], signals: Sequence[Signal]):
         self.dofs, self.gains, self.targets, self.signals = at[:, None], gains, targets, signals
+        self.items = [target.signals[0].item for target in targets]
 
     def inputs(self, times: Array) -> Array:
         """[..., n]."""

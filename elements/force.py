@@ -16,9 +16,9 @@ from mbd.affine import Affine, Array
 from mbd.fields import Function
 from mbd.maps import Maps
 from mbd.marker import Marker
-from mbd.signal import Signal
+from mbd.signal import Samples, Signal
 
-from .load_axes import Axes, samples, unit_gradient
+from .load_axes import Axes, along, unit_gradient
 
 if TYPE_CHECKING:
     from mbd.model import Model
@@ -84,12 +84,12 @@ class DeadForces:
     """The kernel of all forces of given direction that vary in time."""
 
     def __init__(self, *, points: Sequence[Affine], signals: Sequence[Signal]):
-        self.maps, self.signals = Maps(points), signals
+        self.maps, self.signals, self._samples = Maps(points), signals, Samples(signals)
         self.dofs = self.maps.dofs
         self.constant_in_q = self.linear_in_q = True
 
     def inputs(self, times: Array) -> Array:
-        return samples(self.signals, times)
+        return self._samples(times)
 
     def force(self, q: Array, inputs: Array) -> Array:
         """[..., n, k]."""
@@ -100,20 +100,19 @@ class FollowerForces:
     """The kernel of all forces that turn with their marker."""
 
     def __init__(self, count: int, *, points: Sequence[Affine], axes: Sequence[Sequence[Affine]], signals: Sequence[Signal]):
-        self.axes, self.signals, self.count = Axes(axes, points), signals, count
+        self.axes, self.count = Axes(axes, points), count
+        self.signals, self._samples = signals, Samples(signals)
         self.dofs = self.axes.dofs
         self.constant_in_q = self.linear_in_q = False
 
     def inputs(self, times: Array) -> Array:
-        return samples(self.signals, times)[..., : self.count]
+        return self._samples(times)[..., : self.count]
 
     def _axis_values(self, q: Array) -> Array:
         return self.axes.value(q)[..., : self.count, :]
 
     def force(self, q: Array, inputs: Array) -> Array:
-        e = self._axis_values(q)
-        total = np.einsum("...na,...nad->...nd", inputs, e / np.linalg.norm(e, axis=-1, keepdims=True))
-        return np.einsum("...nd,ndk->...nk", total, self.axes.matrix[:, -1])
+        return (along(self._axis_values(q), inputs)[..., None, :] @ self.axes.matrix[:, -1])[..., 0, :]
 
     def gradient(self, q: Array, inputs: Array) -> Array:
         """df/dq [..., n, k, k]."""

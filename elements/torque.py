@@ -13,15 +13,16 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mbd.affine import Affine, Array
 from mbd.errors import SimulationError
 from mbd.fields import Function
 from mbd.maps import Maps
 from mbd.marker import Marker
-from mbd.signal import Signal
+from mbd.signal import Samples, Signal
 
-from .load_axes import Axes, inverse_gradient, samples, unit_gradient
+from .load_axes import Axes, along, crossing, inverse_gradient, squares, unit_gradient
 
 if TYPE_CHECKING:
     from mbd.model import Model
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 
 
 QUARTER = np.array([[0.0, -1.0], [1.0, 0.0]])  # turns counter-clockwise
+MIRRORS = np.array([[[1.0, 0.0], [0.0, -1.0]], [[0.0, 1.0], [1.0, 0.0]]])  # x -> conj(x) and x -> i conj(x)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,60 +96,64 @@ class RigidTorques:
     """The kernel of planar torques on rigid bodies, whose axes have the length 1: linear."""
 
     def __init__(self, *, axes: Sequence[Affine], signals: Sequence[Signal]):
-        self.maps, self.signals = Maps(axes), signals
+        self.maps, self.signals, self._samples = Maps(axes), signals, Samples(signals)
         self.dofs = self.maps.dofs
         self.constant_in_q, self.linear_in_q = False, True
         self._turned = np.swapaxes(self.maps.matrix, -1, -2) @ QUARTER @ self.maps.matrix
 
     def inputs(self, times: Array) -> Array:
-        return samples(self.signals, times)
+        return self._samples(times)
 
     def force(self, q: Array, inputs: Array) -> Array:
-        return inputs[..., None] * (self._turned @ q[..., self.dofs][..., None])[..., 0]
+        return inputs[..., None] * (self._turned @ q.take(self.dofs, axis=-1)[..., None])[..., 0]
 
     def gradient(self, q: Array, inputs: Array) -> Array:
         return inputs[..., None, None] * self._turned
 
 
 class PlanarTorques:
-    """The kernel of planar torques on axes that stretch."""
+    """The kernel of planar torques on axes that stretch. With complex numbers for vectors f = i T / conj(e): what the axis e turns and
+    stretches by, de, changes it by -i T / conj(e)^2 conj(de)."""
 
     def __init__(self, *, axes: Sequence[Affine], signals: Sequence[Signal]):
-        self.maps, self.signals = Maps(axes), signals
+        self.maps, self.signals, self._samples = Maps(axes), signals, Samples(signals)
         self.dofs = self.maps.dofs
         self.constant_in_q = self.linear_in_q = False
+        p, k = self.maps.matrix[:, None], self.dofs.shape[1]
+        self._mirrored, self._square = (np.swapaxes(p, -1, -2) @ MIRRORS @ p).reshape(-1, 2, k * k), (k, k)
 
     def inputs(self, times: Array) -> Array:
-        return samples(self.signals, times)
+        return self._samples(times)
 
     def force(self, q: Array, inputs: Array) -> Array:
-        e = self.maps.value(q)
-        return self.maps.pull(inputs[..., None] * (e @ QUARTER.T) / np.sum(e**2, axis=-1, keepdims=True))
+        return self.maps.pull((1j * inputs[..., None] / self._axis(q).conj()).view(float))
 
     def gradient(self, q: Array, inputs: Array) -> Array:
-        p = self.maps.matrix
-        return np.swapaxes(p, -1, -2) @ (inputs[..., None, None] * QUARTER @ inverse_gradient(self.maps.value(q))) @ p
+        change = (-1j * inputs[..., None] / self._axis(q).conj() ** 2).view(float)
+        return (change[..., None, :] @ self._mirrored).reshape(*change.shape[:-1], *self._square)
+
+    def _axis(self, q: Array) -> NDArray[np.complex128]:
+        """[..., n, 1]."""
+        return self.maps.value(q).view(complex)
 
 
 class _SpatialTorques:
     """What dead and follower torques share: T x e_a / |e_a|^2 on each axis for a torque T(q) [..., n, 3] with gradient [..., n, 3, k]."""
 
-    def __init__(self, count: int, axes: Sequence[Sequence[Affine]], signals: Sequence[Signal]):
-        self.axes, self.signals, self.share = Axes(axes), signals, 1.0 if count == 1 else 0.5
+    def __init__(self, count: int, axes: Sequence[Sequence[Affine]]):
+        self.axes, self.share = Axes(axes), 1.0 if count == 1 else 0.5
         self.dofs = self.axes.dofs
 
     def force(self, q: Array, torque: Array) -> Array:
         e = self.axes.value(q)
-        on_axes = self.share * np.cross(torque[..., None, :], e) / np.sum(e**2, axis=-1, keepdims=True)
-        return np.einsum("...nad,nadk->...nk", on_axes, self.axes.matrix)
+        return self.axes.pull(e @ crossing(self.share * torque) / squares(e)[..., None])
 
     def gradient(self, q: Array, torque: Array, torque_gradient: Array | None) -> Array:
         e = self.axes.value(q)
         by_axis = inverse_gradient(e) @ self.axes.matrix
-        turned = np.cross(torque[..., None, :, None], by_axis, axisa=-2, axisb=-2, axisc=-2)
+        turned = np.swapaxes(crossing(torque), -1, -2)[..., None, :, :] @ by_axis
         if torque_gradient is not None:
-            arm = (e / np.sum(e**2, axis=-1, keepdims=True))[..., None]
-            turned = turned + np.cross(torque_gradient[..., None, :, :], arm, axisa=-2, axisb=-2, axisc=-2)
+            turned = turned + crossing(e / squares(e)[..., None]) @ torque_gradient[..., None, :, :]  # x cross y as a matrix on x
         return self.share * np.einsum("nadk,...nadl->...nkl", self.axes.matrix, turned)
 
 
@@ -155,12 +161,12 @@ class DeadTorques:
     """The kernel of all spatial torques of given direction."""
 
     def __init__(self, count: int, *, axes: Sequence[Sequence[Affine]], signals: Sequence[Signal]):
-        self.common, self.signals = _SpatialTorques(count, axes, signals), signals
+        self.common, self.signals, self._samples = _SpatialTorques(count, axes), signals, Samples(signals)
         self.dofs = self.common.dofs
         self.constant_in_q = self.linear_in_q = False
 
     def inputs(self, times: Array) -> Array:
-        return samples(self.signals, times)
+        return self._samples(times)
 
     def force(self, q: Array, inputs: Array) -> Array:
         return self.common.force(q, inputs)
@@ -173,16 +179,15 @@ class FollowerTorques:
     """The kernel of all spatial torques that turn with their body."""
 
     def __init__(self, count: int, *, axes: Sequence[Sequence[Affine]], signals: Sequence[Signal]):
-        self.common, self.signals = _SpatialTorques(count, axes, signals), signals
+        self.common, self.signals, self._samples = _SpatialTorques(count, axes), signals, Samples(signals)
         self.dofs = self.common.dofs
         self.constant_in_q = self.linear_in_q = False
 
     def inputs(self, times: Array) -> Array:
-        return samples(self.signals, times)
+        return self._samples(times)
 
     def _torque(self, q: Array, inputs: Array) -> Array:
-        e = self.common.axes.value(q)
-        return np.einsum("...na,...nad->...nd", inputs, e / np.linalg.norm(e, axis=-1, keepdims=True))
+        return along(self.common.axes.value(q), inputs)
 
     def force(self, q: Array, inputs: Array) -> Array:
         return self.common.force(q, self._torque(q, inputs))

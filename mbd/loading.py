@@ -14,13 +14,7 @@ import numpy as np
 from .affine import Array
 from .model import Model, build
 from .scatter import Scatter
-from .system import System
-
-
-class _Inputs(NamedTuple):
-    """Values that kernels of loads take."""
-
-    loads: list[Array]
+from .system import Inputs, System
 
 
 class Shares(NamedTuple):
@@ -29,15 +23,19 @@ class Shares(NamedTuple):
     base: list[Array]
     share: list[Array]
 
-    def at(self, inputs: Any, s: float) -> Any:
-        factors = (base + s * share for base, share in zip(self.base, self.share))
-        return _Inputs([values * factor.reshape(-1, *[1] * (values.ndim - 1)) for values, factor in zip(inputs.loads, factors)])
+    def at(self, inputs: Inputs, s: float) -> Inputs:
+        return inputs.scaled(base + s * share for base, share in zip(self.base, self.share))
 
 
 def _chosen(system: System, names: Iterable[str]) -> list[Array]:
     """For each kernel of loads: 1 for the items of these names, 0 for others."""
     wanted = set(names)
-    return [np.array([float(signal.item in wanted) for signal in kernel.signals]) for kernel in system.loads]
+    return [np.array([float(item in wanted) for item in _items(kernel)]) for kernel in system.loads]
+
+
+def _items(kernel: Any) -> list[str]:
+    """The names of those that inputs scale: one for each signal, unless the kernel says otherwise."""
+    return getattr(kernel, "items", [signal.item for signal in kernel.signals])
 
 
 class Loading:
@@ -60,7 +58,7 @@ class Loading:
         grow. Where the start is free of stress, that is nothing.
         """
         held = system.strains(q).pull(stress) if system.n_stresses else np.zeros(system.n)
-        shares = Shares([np.zeros(len(kernel.signals)) for kernel in system.loads], [1.0 - chosen for chosen in _chosen(system, without)])
+        shares = Shares([np.zeros(len(_items(kernel))) for kernel in system.loads], [1.0 - chosen for chosen in _chosen(system, without)])
         return cls(system, t, shares, held, system.constant_force - dead - held, q)
 
     @classmethod
@@ -69,7 +67,7 @@ class Loading:
         chosen = _chosen(system, names)
         return cls(system, t, Shares([1.0 - part for part in chosen], chosen), system.constant_force - dead, dead)
 
-    def inputs(self, s: float) -> Any:
+    def inputs(self, s: float) -> Inputs:
         """What kernels of loads are given."""
         return self._shares.at(self._inputs, s)
 

@@ -28,7 +28,7 @@ class Maps:
 
     def push(self, dq: Array) -> Array:
         """The linear part [..., n, d]."""
-        return (self.matrix @ dq[..., self.dofs][..., None])[..., 0]
+        return (self.matrix @ dq.take(self.dofs, axis=-1)[..., None])[..., 0]
 
     def pull(self, force: Array) -> Array:
         """The transpose: [..., n, k] from [..., n, d]."""

@@ -10,6 +10,8 @@ ulp beside it.
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass
@@ -56,39 +58,65 @@ class Signal:
         sound = isinstance(self._declared, np.ndarray) and self._declared.ndim == 1 and np.isfinite(self._declared).all()
         self.discontinuities: Array = np.unique(self._declared) if sound else np.zeros(0)
         self._sound = bool(sound)
+        self._jumps: list[float] = self.discontinuities.tolist()
+        self._expected = f"{'a number' if not shape else f'{shape[0]} numbers'} {unit}"
 
     def faults(self, field: str) -> list[str]:
         if self.function:
             found = validate.show(self._declared)
             return [] if self._sound else [f"{field}: discontinuities: expected a sequence of finite times [s], found {found}; correct them"]
         if not isinstance(self.constant, np.ndarray) or self.constant.shape != self.shape:
-            expected = "a number" if not self.shape else f"{self.shape[0]} numbers"
-            return [f"{field}: expected {expected} {self.unit} or a function of t, found {validate.show(self.constant)}; correct it"]
+            return [f"{field}: expected {self._expected} or a function of t, found {validate.show(self.constant)}; correct it"]
         return validate.finite(field, self.constant)
 
     def sample(self, times: Array) -> Array:
         """[..., *shape] for times [...]; at a discontinuity from the right."""
         if self.function is None:
             return np.broadcast_to(np.asarray(self.constant), (*times.shape, *self.shape))
-        return np.array([self._call(float(t)) for t in self.seen(times).ravel()]).reshape((*times.shape, *self.shape))
+        values = np.empty((times.size, *self.shape))
+        for k, t in enumerate(self.seen(times).ravel().tolist()):
+            values[k] = self._call(t)  # copied: a function may return the same array each time
+        return values.reshape((*times.shape, *self.shape))
 
     def seen(self, times: Array) -> Array:
         """The times [...] at which the function is called for times: at a discontinuity, to the right of it."""
-        if not self.discontinuities.size:
+        if not self._jumps:
             return times
-        at = np.any(same(times[..., None], self.discontinuities), axis=-1)
-        return np.where(at, times + BESIDE * np.spacing(np.abs(times)), times)
+        return np.array([self._beside(t) for t in times.ravel().tolist()]).reshape(times.shape)
+
+    def _beside(self, t: float) -> float:
+        k = bisect_left(self._jumps, t)
+        at = (k < len(self._jumps) and same(t, self._jumps[k])) or (k > 0 and same(t, self._jumps[k - 1]))
+        return t + BESIDE * math.ulp(t) if at else t
 
     def _call(self, t: float) -> Array:
         assert self.function is not None
-        expected = "a number" if not self.shape else f"{self.shape[0]} numbers"
-        what, wanted = "the function given for it", f"{expected} {self.unit}"
-        return called(self.function, t, fits=lambda _, value: value.shape == self.shape, expected=wanted, what=what, item=self.item, time=t)
+        what, expected = "the function given for it", self._expected
+        return called(self.function, t, fits=lambda _, value: value.shape == self.shape, expected=expected, what=what, item=self.item, time=t)
 
 
-def same(times: Any, jumps: Any) -> Any:
-    """Whether times are those of jumps, but for rounding."""
-    return np.abs(times - jumps) <= SAME * np.spacing(np.abs(jumps))
+class Samples:
+    """The values of signals [n] of one shape at times [...]: [..., n, *shape], or [n, *shape] where all are constants."""
+
+    def __init__(self, signals: Sequence[Signal]):
+        shape = signals[0].shape
+        self._constant = np.array([np.zeros(shape) if signal.function else signal.constant for signal in signals])
+        places = (slice(None),) * len(shape)
+        self._functions: list[tuple[Any, Signal]] = [((..., k, *places), signal) for k, signal in enumerate(signals) if signal.function]
+
+    def __call__(self, times: Array) -> Array:
+        if not self._functions:
+            return self._constant
+        values = np.empty((*times.shape, *self._constant.shape))
+        values[...] = self._constant
+        for place, signal in self._functions:
+            values[place] = signal.sample(times)
+        return values
+
+
+def same(t: float, jump: float) -> bool:
+    """Whether a time is that of a jump, but for rounding."""
+    return abs(t - jump) <= SAME * math.ulp(jump)
 
 
 def discontinuities(system: Any) -> Array:
@@ -102,15 +130,16 @@ def stops(jumps: Array, start: float, end: float) -> list[float]:
     """Those between start and end, each once: times apart by rounding only are one."""
     found: list[float] = []
     for t in jumps.tolist():
-        if start < t < end and not same(np.array([start, end, *found[-1:]]), np.array(t)).any():
+        if start < t < end and not any(same(other, t) for other in (start, end, *found[-1:])):
             found.append(t)
     return found
 
 
 def from_inside(system: Any, jumps: Array, start: float, end: float) -> Any:
     """The system as a step from start to end sees it: the same unless a jump is at its end."""
-    ulp = np.spacing(max(abs(start), abs(end)))
-    if not np.any(np.abs(end - jumps) <= SAME * ulp):
+    ulp = math.ulp(max(abs(start), abs(end)))
+    k = bisect_left(jumps, end - SAME * ulp)
+    if k == len(jumps) or jumps[k] > end + SAME * ulp:
         return system
     latest, view = end - 2.0 * BESIDE * ulp, copy(system)
     view.inputs = lambda times: system.inputs(np.minimum(times, latest))

@@ -11,7 +11,7 @@ Tangents: K = d(M a - f + B' sigma + G' lambda)/dq, D = B' eta B - df/dv, as val
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from typing import Any
 
@@ -25,7 +25,8 @@ from .scatter import Scatter
 from .strains import Strains
 from .target import Targets
 
-DENSE_MASS = 96
+DENSE_MASS = 256
+"""Coordinates up to which M x is one product with zeros and all: of 124 coordinates and 5 stages 4 us, where sums over entries take 10."""
 
 
 def _of_scene(scene: Any) -> System:
@@ -46,6 +47,17 @@ class Inputs:
 
     def __iter__(self) -> Iterator[Array]:
         return iter(self.loads)
+
+    def scaled(self, factors: Iterable[Array]) -> Inputs:
+        """The same with the values of each kernel's items [n] times factors [n]."""
+        view = Inputs(self._system, self._times)
+        view.loads = [values * factor.reshape(-1, *[1] * (values.ndim - 1)) for values, factor in zip(self.loads, factors)]
+        return view
+
+    @cached_property
+    def dead(self) -> Array:
+        """Weight and all forces that depend on time alone [..., n]; [n] where they are constant."""
+        return self._system.dead_load(self.loads)
 
     @cached_property
     def targets(self) -> Targets:
@@ -93,10 +105,13 @@ class System:
         local = [kernel.dofs.ravel() for kernel in self.measures] or [np.zeros(0, np.intp)]
         self.scatter = Scatter(np.concatenate(local), self.n)
         self.loads = build(model.loads)
-        self.load_scatters = [Scatter(kernel.dofs, self.n) for kernel in self.loads]
+        self._load_scatters = [Scatter(kernel.dofs, self.n) for kernel in self.loads]
         self.steady = all(signal.function is None for kernel in self.loads for signal in kernel.signals)
         self._rated = [getattr(kernel, "depends_on_rate", False) for kernel in self.loads]  # then methods take (q, v, inputs)
         self.affine = self.steady and not any(self._rated) and all(kernel.linear_in_q for kernel in self.loads)
+        self._dead_loads = [i for i, kernel in enumerate(self.loads) if kernel.constant_in_q and not self._rated[i]]
+        self._live_loads = [i for i in range(len(self.loads)) if i not in self._dead_loads]
+        self._loaded = bool(self.loads) or bool(self.dead.any())
         self.damped = self.viscosity is not None or any(self._rated)
         self.driven = bool(model.drives)
         self._compile_tangent()
@@ -129,20 +144,16 @@ class System:
         self.n_table = d * k
         self.vectors = np.where(np.arange(self.n) < self.n_table, np.arange(self.n) // d, np.arange(self.n))
         self._dense_mass: Array | None = None
-        if k <= DENSE_MASS:
-            self._dense_mass = np.zeros((k, k))
-            self._dense_mass[rows, cols] = values
+        if self.n <= DENSE_MASS:
+            self._dense_mass = np.zeros((self.n, self.n))
+            self._dense_mass[self.mass_rows, self.mass_cols] = self.mass_values
         self._mass_scatter = Scatter(self.mass_rows, self.n)
 
     def mass(self, x: Array) -> Array:
         """M x [..., n]."""
         if self._dense_mass is None:
             return self._mass_scatter(self.mass_values * x.take(self.mass_cols, axis=-1))
-        table = x[..., : self.n_table].reshape(*x.shape[:-1], -1, self.dimension)
-        out = (self._dense_mass @ table).reshape(*x.shape[:-1], -1)
-        if self.n > self.n_table:
-            return np.concatenate((out, np.zeros((*x.shape[:-1], self.n - self.n_table))), axis=-1)
-        return out
+        return x.dot(self._dense_mass)  # symmetric
 
     def _compile_tangent(self) -> None:
         def pairs(dofs: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -172,11 +183,21 @@ class System:
 
     def load(self, q: Array, v: Array, inputs: Inputs) -> Array:
         """Weight, forces and torques [..., n]; [n] where they are constant."""
-        total = self.constant_force
-        for kernel, rated, scatter, values in zip(self.loads, self._rated, self.load_scatters, inputs.loads):
-            local = kernel.force(q, v, values) if rated else kernel.force(q, values)
-            total = total + scatter(local.reshape(*local.shape[:-2], -1))
+        total = inputs.dead
+        for i in self._live_loads:
+            kernel, values = self.loads[i], inputs.loads[i]
+            total = total + self._scattered(i, kernel.force(q, v, values) if self._rated[i] else kernel.force(q, values))
         return total
+
+    def dead_load(self, values: list[Array]) -> Array:
+        """The part of the load that depends on neither q nor v, from what all kernels of loads are given."""
+        total = self.constant_force
+        for i in self._dead_loads:
+            total = total + self._scattered(i, self.loads[i].force(self.q0, values[i]))
+        return total
+
+    def _scattered(self, i: int, local: Array) -> Array:
+        return self._load_scatters[i](local.reshape(*local.shape[:-2], -1))
 
     def stress(self, strains: Strains, v: Array) -> Array:
         """C strain + eta d(strain)/dt [..., n_stresses]."""
@@ -226,15 +247,15 @@ class System:
     @property
     def exchanges(self) -> bool:
         """Whether loads, drives or dampers do work that no potential knows."""
-        return bool(self.loads or self.joints.drives) or self.viscosity is not None or bool(self.dead.any())
+        return self._loaded or bool(self.joints.drives) or self.viscosity is not None
 
     def power(self, q: Array, v: Array, inputs: Inputs, multipliers: Array | None = None) -> Array:
         """[...] of loads, dampers and, given the multipliers [..., m], drives [W]; gravity and elastic forces are in the energy."""
-        total = np.sum((self.load(q, v, inputs) - self.weight) * v, axis=-1)
+        total = ((self.load(q, v, inputs) - self.weight) * v).sum(axis=-1) if self._loaded else np.zeros(v.shape[:-1])
         if self.viscosity is not None:
             total = total - np.sum(self.viscosity * self.strains(q).push(v) ** 2, axis=-1)
         if self.joints.drives and multipliers is not None:
-            total = total - np.sum(multipliers * inputs.targets.rate, axis=-1)  # the force -G' lambda on what moves with G v = c'
+            total = total - (multipliers * inputs.targets.rate).sum(axis=-1)  # the force -G' lambda on what moves with G v = c'
         return total
 
     def label(self, row: int) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -52,11 +52,11 @@ class Work:
         assert attempt.nodes is not None
         nodes = Nodes(*attempt.nodes, attempt.multipliers)
         if not self._system.steady or self._system.driven:  # users' functions are called as time goes on, and from inside of the step
-            self._keep(1, self._evaluated((nodes,), from_inside(self._system, self.jumps, nodes.t[0], nodes.t[-1])))
+            self._keep(1, self._at_once(nodes, attempt.inputs))
         else:
             self._waiting, self._size = (*self._waiting, nodes), self._size + nodes.q.size
             if self._size > BATCH:
-                self._keep(len(self._waiting), self._evaluated(self._waiting, self._system))
+                self._keep(len(self._waiting), self._evaluated(self._waiting))
                 self._waiting, self._size = (), 0
 
     @property
@@ -72,16 +72,21 @@ class Work:
 
     def so_far(self) -> Array:
         """[steps + 1]: the work since the start [J]."""
-        rest = [self._evaluated(self._waiting, self._system)] if self._waiting else []
+        rest = [self._evaluated(self._waiting)] if self._waiting else []
         return np.concatenate((self._before[:-1], np.cumsum(np.concatenate((self._before[-1:], *self._new, *rest)))))
 
     def _keep(self, count: int, values: Array) -> None:
         self._new.append(values)
         self._done += count
 
-    def _evaluated(self, steps: tuple[Nodes, ...], system: System) -> Array:
+    def _at_once(self, nodes: Nodes, inputs: Any) -> Array:
+        """Of one step, from what its loads and drives were given, where the method has that at hand."""
+        inputs = inputs or from_inside(self._system, self.jumps, nodes.t[0], nodes.t[-1]).inputs(nodes.t)
+        return nodes.weights.dot(self._system.power(nodes.q, nodes.v, inputs, nodes.multipliers)).reshape(1)
+
+    def _evaluated(self, steps: tuple[Nodes, ...]) -> Array:
         t, q, v, weights = (np.concatenate([getattr(step, name) for step in steps]) for name in ("t", "q", "v", "weights"))
         multipliers = None if steps[0].multipliers is None else np.concatenate([step.multipliers for step in steps])  # type: ignore[misc]
-        power = weights * system.power(q, v, system.inputs(t), multipliers)
+        power = weights * self._system.power(q, v, self._system.inputs(t), multipliers)
         ends = np.cumsum([step.t.size for step in steps])
         return np.add.reduceat(power, np.concatenate(([0], ends[:-1])))

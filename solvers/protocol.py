@@ -38,6 +38,7 @@ class Attempt(NamedTuple):
     worst        the equation with the largest residual (an index into the rows), -1 where none is to blame
     nodes        times [s], q [s, n], v [s, n] and weights [s] of the step's own quadrature
     multipliers  [s, m] at the nodes, for the work of drives
+    inputs       of the system at the nodes, where the method has them at hand
     """
 
     state: State | None
@@ -49,6 +50,7 @@ class Attempt(NamedTuple):
     worst: int = -1
     nodes: tuple[Array, Array, Array, Array] | None = None
     multipliers: Array | None = None
+    inputs: Any = None
 
 
 class Integrator(Protocol):

@@ -79,7 +79,7 @@ class RadauIIA:
         memory = Memory(h, state.v, state.stress, x, table.stages)
         nodes = (state.t + table.c * h, state.q + x.dq, x.v, table.b * h)
         after = State(state.t + h, q, v, x.multipliers[-1].copy(), x.stress[-1].copy(), memory)
-        return Attempt(after, error, table.stages + 1.0, found.rate, found.solves, nodes=nodes, multipliers=x.multipliers)
+        return Attempt(after, error, table.stages + 1.0, found.rate, found.solves, nodes=nodes, multipliers=x.multipliers, inputs=inputs)
 
     def _landed(self, system: System, linear: Linear, q: Array, v: Array, goal: Targets) -> tuple[Array, Array]:
         """The end of a step projected to the joints to rounding, with their slopes there: near a singular position a small residual is a

@@ -4,6 +4,7 @@ import numpy as np
 
 import mbd
 import mbd.strains as strains_module
+import mbd.system as system_module
 from mbd.affine import Affine, Scalar
 from mbd.constraint import Quadratic
 from mbd.rows import Row, distance
@@ -42,3 +43,19 @@ def test_steady_loads_are_asked_for_their_values_once() -> None:
     scene.add(mbd.Torque(body.at(0.0, 0.0), 2.0))
     system = scene.build()
     assert system.inputs(0.0).loads is system.inputs(np.linspace(0.0, 1.0, 3)).loads
+
+
+def test_masses_of_few_coordinates_are_one_matrix(monkeypatch) -> None:
+    """With coordinates that have no mass, such as turning angles."""
+    scene, rng = mbd.Scene(gravity=(0.0, -9.81)), np.random.default_rng(4)
+    rod = scene.add(mbd.AncfCable((0.0, 0.0), (1.0, 0.0), n_elements=3, E=1e7, A=1e-4, I=1e-9, rho=1000.0))
+    scene.add(mbd.Motor(rod.start, scene.ground, angle=lambda t: t))
+    whole = scene.build()
+    monkeypatch.setattr(system_module, "DENSE_MASS", 0)
+    scene.add(mbd.Force(rod.end, (0.0, 0.0)))  # builds anew
+    parts = scene.build()
+    assert parts is not whole and whole.n > whole.n_table
+    for batch in ((), (5,), (2, 3)):
+        x = rng.normal(size=(*batch, whole.n))
+        np.testing.assert_allclose(whole.mass(x), parts.mass(x), rtol=1e-13, atol=1e-16)
+    assert np.all(whole.mass(np.ones(whole.n))[whole.n_table :] == 0.0)

@@ -183,6 +183,17 @@ def test_drives_stand_where_they_are_at_that_time(turned: float) -> None:
     assert found.state.t == turned / 0.2
 
 
+def test_a_controller_with_a_target_that_moves() -> None:
+    """The target and its rate pull as they do at that time: p (c - phi) + d c' = m g l / 2 cos(phi)."""
+    scene, t, p, d = mbd.Scene(gravity=(0.0, -9.81)), 0.4, 100.0, 3.0
+    bar = scene.add(mbd.RigidBody.rod((0.0, 0.0), (1.0, 0.0), mass=1.0))
+    scene.add(mbd.Pin(bar.at(-0.5, 0.0), scene.ground.at(0.0, 0.0)))
+    target = mbd.Motion(lambda t: 0.1 + t**2, rate=lambda t: 2.0 * t)
+    scene.add(mbd.PD(scene.add(mbd.Angle(bar, scene.ground)), target, proportional=p, derivative=d))
+    phi = mbd.equilibrium(scene, t=t).angle(bar)
+    assert p * (0.1 + t**2 - phi) + d * 2.0 * t == pytest.approx(0.5 * 9.81 * np.cos(phi), rel=1e-9)
+
+
 def test_a_taut_rope_sags() -> None:
     """Straight and without tension at the start, with next to no bending stiffness. A parabola: EA strain^3 = (w L)^2 / 24."""
     scene = mbd.Scene(gravity=(0, 0, -9.81))
