@@ -3,7 +3,7 @@
     g = sin(phi) C - cos(phi) S = 0,   C = p . c,  S = p . s        (g = |p| |c| sin(phi - angle))
 
 In the plane s = i c. In space c and s turn with one body and p with another, all perpendicular to a common axis of rotation at phi = 0.
-C and S are quadratic rows themselves; phi is a coordinate without mass, so that the kernels keep no state and a spring, a motor or a
+C - i S is a quadratic row itself, with complex coefficients, so that g = Im exp(i phi) (C - i S); phi is a coordinate without mass, so that the kernels keep no state and a spring, a motor or a
 gear sees an angle that grows over many turns.
 """
 
@@ -13,11 +13,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .affine import Affine, Array
+from .affine import Affine, Array, Scalar
 from .constraint import At, Quadratic
-from .rows import dot
-from .scatter import Scatter
+from .rows import NOTHING, Row
+from .sums import sums
 
 
 class Turning(NamedTuple):
@@ -35,65 +36,74 @@ class Turning(NamedTuple):
 
 
 class _Posture(NamedTuple):
-    sine: Array
-    cosine: Array
-    weights: Array  # of C and S in g [..., 2 m]
-    aligned: Array  # C and S [..., 2 m]
-    z: At
+    """At q [..., n]: exp(i phi) and w = exp(i phi) (C - i S) [..., m], and what the inner row takes."""
+
+    unit: NDArray[np.complex128]
+    w: NDArray[np.complex128]
+    at: At
 
 
 class Turn:
-    """The rows [m] of all turning angles."""
+    """The rows [m] of all turning angles: g = Im w, dg/dphi = Re w."""
+
+    linear = False
 
     def __init__(self, turns: Sequence[Turning], n: int):
         self.m = len(turns)
-        self.inner = Quadratic([dot(t.moving, t.ahead) for t in turns] + [dot(t.moving, t.across) for t in turns], n)
-        self.phi = np.array([t.phi for t in turns], dtype=np.intp) % n
-        self.owner = self.inner.rows % self.m
-        self.rows = np.concatenate((self.owner, np.arange(self.m)))
-        self.cols = np.concatenate((self.inner.cols, self.phi))
-        self._sum = Scatter(self.owner, self.m)
-        inner, phi = self.inner, self.phi
-        self.curvature_rows = np.concatenate((inner.curvature_rows, inner.cols, phi[self.owner], phi))
-        self.curvature_cols = np.concatenate((inner.curvature_cols, phi[self.owner], inner.cols, phi))
-        self.linear = False
+        self.inner = inner = Quadratic([_aligned(t) for t in turns], n)
+        self.phi = phi = np.array([t.phi for t in turns], dtype=np.intp) % n
+        self.rows = np.concatenate((inner.rows, np.arange(self.m)))
+        self.cols = np.concatenate((inner.cols, phi))
+        self._sum = sums(inner.rows, self.m)
+        self.curvature_rows = np.concatenate((inner.curvature_rows, inner.cols, phi[inner.rows], phi))
+        self.curvature_cols = np.concatenate((inner.curvature_cols, phi[inner.rows], inner.cols, phi))
 
     def prepare(self, q: Array) -> _Posture:
-        z, phi = self.inner.prepare(q), q.take(self.phi, axis=-1)
-        sine, cosine = np.sin(phi), np.cos(phi)
-        return _Posture(sine, cosine, np.concatenate((sine, -cosine), axis=-1), self.inner.value(z), z)
+        phi, at = q.take(self.phi, axis=-1), self.inner.prepare(q)
+        unit = np.empty(phi.shape, complex)
+        np.cos(phi, unit.real)
+        np.sin(phi, unit.imag)
+        return _Posture(unit, unit * self.inner.value(at), at)
 
-    def _mix(self, p: _Posture, values: Array) -> Array:
-        """sin(phi) times what belongs to C, -cos(phi) times what belongs to S, of values on the pattern of their gradients."""
-        return p.weights.take(self.inner.rows, axis=-1) * values
+    def _turned(self, p: _Posture, values: Array) -> NDArray[np.complex128]:
+        """exp(i phi) times values on the inner pattern."""
+        return p.unit.take(self.inner.rows, axis=-1) * values
 
-    def _mix_rate(self, p: _Posture, values: Array) -> Array:
-        """The derivative of the mixture with respect to phi."""
-        return np.concatenate((p.cosine, p.sine), axis=-1).take(self.inner.rows, axis=-1) * values
+    def _slopes(self, p: _Posture) -> NDArray[np.complex128]:
+        """dw/dq on the inner pattern."""
+        return self._turned(p, self.inner.gradient(p.at))
 
     def value(self, p: _Posture) -> Array:
-        parts = p.weights * p.aligned
-        return parts[..., : self.m] + parts[..., self.m :]
-
-    def _slope(self, p: _Posture) -> Array:
-        return p.cosine * p.aligned[..., : self.m] + p.sine * p.aligned[..., self.m :]
+        return p.w.imag
 
     def gradient(self, p: _Posture) -> Array:
-        return np.concatenate((self._mix(p, self.inner.gradient(p.z)), self._slope(p)), axis=-1)
+        return np.concatenate((self._slopes(p).imag, p.w.real), axis=-1)
 
     def swirl(self, p: _Posture, v: Array) -> Array:
-        turning = v[..., self.phi]
-        cross_term = self._mix_rate(p, self.inner.gradient(p.z))
-        along = self._mix(p, self.inner.swirl(p.z, v)) + turning[..., self.owner] * cross_term
-        return np.concatenate((along, self._sum(cross_term * v[..., self.inner.cols]) - turning * self.value(p)), axis=-1)
+        turning, across = v.take(self.phi, axis=-1), self._slopes(p).real
+        along = self._turned(p, self.inner.swirl(p.at, v)).imag + turning.take(self.inner.rows, axis=-1) * across
+        return np.concatenate((along, self._pushed(across, v) - turning * p.w.imag), axis=-1)
+
+    def _pushed(self, values: Array, v: Array) -> Array:
+        """Of values on the inner pattern and v [..., m]."""
+        return self._sum(values * v.take(self.inner.cols, axis=-1))
 
     def bias(self, p: _Posture, v: Array) -> Array:
-        turning, inner = v[..., self.phi], self.inner.bias(p.z, v)
-        mixed = p.sine * inner[..., : self.m] - p.cosine * inner[..., self.m :]
-        cross_term = self._sum(self._mix_rate(p, self.inner.gradient(p.z)) * v[..., self.inner.cols])
-        return mixed + 2.0 * turning * cross_term - turning**2 * self.value(p)
+        turning, across = v.take(self.phi, axis=-1), self._pushed(self._slopes(p).real, v)
+        return (p.unit * self.inner.bias(p.at, v)).imag + 2.0 * turning * across - turning**2 * p.w.imag
 
     def curvature(self, p: _Posture, multipliers: Array) -> Array:
-        weights = np.concatenate((p.sine * multipliers, -p.cosine * multipliers), axis=-1)
-        cross_term = self._mix_rate(p, self.inner.gradient(p.z)) * multipliers[..., self.owner]
-        return np.concatenate((self.inner.curvature(p.z, weights), cross_term, cross_term, -multipliers * self.value(p)), axis=-1)
+        along = self.inner.curvature(p.at, p.unit * multipliers).imag
+        cross_term = self._slopes(p).real * multipliers.take(self.inner.rows, axis=-1)
+        return np.concatenate((along, cross_term, cross_term, -multipliers * p.w.imag), axis=-1)
+
+
+def _aligned(turn: Turning) -> Row:
+    """C - i S: p . c - i p . s."""
+    both = [_complex(c, s) for c, s in zip(turn.ahead.components(), turn.across.components())]
+    return Row(NOTHING, list(zip(turn.moving.components(), both)))
+
+
+def _complex(x: Scalar, y: Scalar) -> Scalar:
+    """x - i y."""
+    return Scalar(np.concatenate((x.columns, y.columns)), np.concatenate((x.coefficients, -1j * y.coefficients)), x.constant - 1j * y.constant)
