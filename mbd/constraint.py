@@ -26,11 +26,11 @@ NO_FORMS = np.zeros(0)
 
 
 class Entries(NamedTuple):
-    """Of a map of coordinates: what the sums of weights times coordinates q[columns] belong to."""
+    """Weights times coordinates q[columns], and what these are terms of."""
 
     of: Index
     columns: Index
-    weights: NDArray
+    weights: Array
 
     @classmethod
     def gathered(cls, scalars: Sequence[Scalar], of: Iterable[int], n: int) -> Entries:
@@ -47,7 +47,7 @@ class At(NamedTuple):
 
 
 class Quadratic:
-    """The rows [m] of all joints: values, gradients and curvatures for q [..., n]. With complex coefficients these are complex as well.
+    """The rows [m] of all joints: values, gradients and curvatures for q [..., n].
 
     ``linear``: G is constant. The forms are all left sides of products, then all right ones.
     """
@@ -74,8 +74,7 @@ class Quadratic:
         order = np.argsort(last, kind="stable")
         keys, slot = keys[order], np.argsort(order)[slot]
         self.rows, self.cols = keys // n, keys % n
-        self.fixed: NDArray = np.zeros(keys.size, self._linear.weights.dtype)
-        np.add.at(self.fixed, slot[varying.size :], self._linear.weights)
+        self.fixed: Array = np.bincount(slot[varying.size :], self._linear.weights, minlength=keys.size).astype(float)
         self.varying_rows = self.rows[keys.size - int(last.sum()) :]
         other = np.roll(np.arange(2 * self.products), self.products)[form]
         self.slopes = affine(self.fixed, slot[: varying.size], other, weights, 2 * self.products)
@@ -117,6 +116,7 @@ class Quadratic:
         return self.fixed if self.linear else self._varying(at.z)
 
     def _varying(self, z: Array) -> Array:
+        """What z changes is added to what is fixed."""
         return self.slopes(z)
 
     def swirl(self, at: At, v: Array) -> Array:
@@ -132,7 +132,7 @@ class Quadratic:
         return self.curvature_weights * multipliers.take(self.curvature_owner, axis=-1)
 
 
-def _split(rows: Sequence[Row]) -> tuple[list[tuple[int, Scalar, Scalar]], list[tuple[int, Scalar]], list[complex]]:
+def _split(rows: Sequence[Row]) -> tuple[list[tuple[int, Scalar, Scalar]], list[tuple[int, Scalar]], list[float]]:
     """Products of which both sides vary, as (row, x, y); all else is linear, (row, x), and its constants are added to those of the rows."""
     products, linear, constants = [], [(r, row.linear) for r, row in enumerate(rows)], [row.linear.constant for row in rows]
     for r, row in enumerate(rows):

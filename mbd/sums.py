@@ -25,7 +25,7 @@ class Map(Protocol):
         """Without the constant: of rates or changes."""
 
 
-def affine(constant: NDArray, rows: Index, columns: Index, weights: NDArray, n: int) -> Map:
+def affine(constant: Array, rows: Index, columns: Index, weights: Array, n: int) -> Map:
     """The map with a constant [size] and entries in any order, some of them there several times."""
     return (Product if constant.size * n <= SMALL else Entries)(constant, rows, columns, weights, n)
 
@@ -36,7 +36,7 @@ def sums(rows: Index, size: int) -> Callable[[Array], Array]:
 
 
 def sums_of_runs(rows: Index, size: int) -> Callable[[Array], Array]:
-    """The same for sorted rows; x may be complex."""
+    """The same for sorted rows."""
     return _ones(rows, size) if rows.size * size <= SMALL else Runs(rows, size)
 
 
@@ -47,8 +47,8 @@ def _ones(rows: Index, size: int) -> Callable[[Array], Array]:
 class Product:
     """As one matrix."""
 
-    def __init__(self, constant: NDArray, rows: Index, columns: Index, weights: NDArray, n: int):
-        self.constant, self.transpose = constant, np.zeros((n, constant.size), weights.dtype)
+    def __init__(self, constant: Array, rows: Index, columns: Index, weights: Array, n: int):
+        self.constant, self.transpose = constant, np.zeros((n, constant.size))
         np.add.at(self.transpose, (columns, rows), weights)
 
     def __call__(self, x: Array) -> Array:
@@ -77,7 +77,7 @@ class Runs:
         found = self.compact(x)
         if self.everywhere:
             return found
-        y = np.zeros((*x.shape[:-1], self.size), found.dtype)
+        y = np.zeros((*x.shape[:-1], self.size))
         y[..., self.place] = found
         return y
 
@@ -85,10 +85,9 @@ class Runs:
 class Entries:
     """By entries."""
 
-    def __init__(self, constant: NDArray, rows: Index, columns: Index, weights: NDArray, n: int):
+    def __init__(self, constant: Array, rows: Index, columns: Index, weights: Array, n: int):
         order = np.argsort(rows, kind="stable")
-        self.columns, self.weights, self._runs = columns[order], weights[order], Runs(rows[order], constant.size)
-        self.constant = constant.astype(np.result_type(constant, weights))
+        self.constant, self.columns, self.weights, self._runs = constant, columns[order], weights[order], Runs(rows[order], constant.size)
 
     def _terms(self, x: Array) -> Array:
         return self.weights * x.take(self.columns, axis=-1)
@@ -98,7 +97,7 @@ class Entries:
         if runs.everywhere:
             found += self.constant
             return found
-        y = np.empty((*x.shape[:-1], runs.size), self.constant.dtype)
+        y = np.empty((*x.shape[:-1], runs.size))
         y[...] = self.constant
         y[..., runs.place] += found
         return y
