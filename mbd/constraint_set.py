@@ -79,12 +79,12 @@ class JointsAt:
 
     def __init__(self, joints: Joints, q: Array):
         self.joints, self.batch = joints, q.shape[:-1]
-        self.states = [kernel.prepare(q) for kernel in joints.kernels]
+        self.states = [(kernel, kernel.prepare(q)) for kernel in joints.kernels]
 
     @cached_property
     def gradient(self) -> Array:
         """Values of G [..., nnz] on the pattern (rows, cols); [nnz] where they are constant."""
-        values = [kernel.gradient(z) for kernel, z in zip(self.joints.kernels, self.states)]
+        values = [kernel.gradient(z) for kernel, z in self.states]
         if len(values) == 1:
             return values[0]
         out = np.empty((*self.batch, self.joints.rows.size))
@@ -100,7 +100,7 @@ class JointsAt:
     @property
     def value(self) -> Array:
         """gamma [..., m]: g without what drives ask for."""
-        return self._joined([kernel.value(z) for kernel, z in zip(self.joints.kernels, self.states)])
+        return self._joined([kernel.value(z) for kernel, z in self.states])
 
     def pull(self, multipliers: Array) -> Array:
         """G' lambda [..., n]."""
@@ -112,14 +112,12 @@ class JointsAt:
 
     def swirl(self, v: Array) -> Array:
         """Values of d(G v)/dq on the pattern of G."""
-        return self._joined([kernel.swirl(z, v) for kernel, z in zip(self.joints.kernels, self.states)])
+        return self._joined([kernel.swirl(z, v) for kernel, z in self.states])
 
     def bias(self, v: Array) -> Array:
         """v' d2(gamma)/dq2 v [..., m]: c'' minus this is what G a must be."""
-        return self._joined([kernel.bias(z, v) for kernel, z in zip(self.joints.kernels, self.states)])
+        return self._joined([kernel.bias(z, v) for kernel, z in self.states])
 
     def curvature(self, multipliers: Array) -> Array:
         """Values of d(G' lambda)/dq on (curvature_rows, curvature_cols)."""
-        spans = self.joints.spans
-        parts = [kernel.curvature(z, multipliers[..., span]) for kernel, z, span in zip(self.joints.kernels, self.states, spans)]
-        return self._joined(parts)
+        return self._joined([kernel.curvature(z, multipliers[..., span]) for (kernel, z), span in zip(self.states, self.joints.spans)])
