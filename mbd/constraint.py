@@ -77,6 +77,7 @@ class Quadratic:
         self.fixed: Array = np.bincount(slot[varying.size :], self._linear.weights, minlength=keys.size).astype(float)
         self.varying_rows = self.rows[keys.size - int(last.sum()) :]
         other = np.roll(np.arange(2 * self.products), self.products)[form]
+        self._weighted = affine(np.zeros(keys.size), np.arange(keys.size), self.rows, self.fixed, self.m)
         self.slopes = affine(self.fixed, slot[: varying.size], other, weights, 2 * self.products)
 
     def _compile_curvature(self) -> None:
@@ -114,6 +115,10 @@ class Quadratic:
     def gradient(self, at: At) -> Array:
         """Values of G [..., nnz] on the pattern (rows, cols); [nnz] where they are constant."""
         return self.fixed if self.linear else self._varying(at.z)
+
+    def weighted(self, at: At, weights: Array) -> Array:
+        """Values of G, each row times its weight [..., m]."""
+        return self._weighted(weights) if self.linear else weights.take(self.rows, axis=-1) * self.gradient(at)
 
     def _varying(self, z: Array) -> Array:
         """What z changes is added to what is fixed."""

@@ -3,8 +3,8 @@
     g = sin(phi) C - cos(phi) S = 0,   C = p . c,  S = p . s        (g = |p| |c| sin(phi - angle))
 
 In the plane s = i c. In space c and s turn with one body and p with another, all perpendicular to a common axis of rotation at phi = 0.
-C and S are quadratic rows themselves, and g = Im w with w = exp(i phi) (C - i S), of which dw/dphi = i w. phi is a coordinate without mass,
-so that the kernels keep no state and a spring, a motor or a gear sees an angle that grows over many turns.
+C and S are quadratic rows themselves, and g = Re w with w = exp(-i phi) (-S + i C), of which dw/dphi = -i w. phi is a coordinate without
+mass, so that the kernels keep no state and a spring, a motor or a gear sees an angle that grows over many turns.
 """
 
 from __future__ import annotations
@@ -42,18 +42,28 @@ class _Posture(NamedTuple):
     w: NDArray[np.complex128]
     at: At
 
+    @property
+    def weights(self) -> Array:
+        """Of the inner rows in g [..., 2 m]."""
+        return self.unit.view(float)
+
+    @property
+    def rates(self) -> Array:
+        """Of the inner rows in dg/dphi [..., 2 m]."""
+        return (1j * self.unit).view(float)
+
 
 class Turn:
-    """The rows [m] of all turning angles. The inner rows are C and -S of each in turn, seen as one complex number."""
+    """The rows [m] of all turning angles. The inner rows are -S and C of each in turn, seen as one complex number."""
 
     linear = False
 
     def __init__(self, turns: Sequence[Turning], n: int):
         self.m = len(turns)
-        pairs = [(dot(t.moving, t.ahead), dot(t.moving, t.across, factor=-1.0)) for t in turns]
+        pairs = [(dot(t.moving, t.across, factor=-1.0), dot(t.moving, t.ahead)) for t in turns]
         self.inner = inner = Quadratic([row for pair in pairs for row in pair], n)
         self.phi = phi = np.array([t.phi for t in turns], dtype=np.intp) % n
-        self.owner, self._beside = inner.rows // 2, inner.rows ^ 1
+        self.owner = inner.rows // 2
         self.rows = np.concatenate((self.owner, np.arange(self.m)))
         self.cols = np.concatenate((inner.cols, phi))
         self._sum = sums(self.owner, self.m)
@@ -65,36 +75,30 @@ class Turn:
         unit = np.empty(phi.shape, complex)
         np.cos(phi, unit.real)
         np.sin(phi, unit.imag)
-        return _Posture(unit, unit * self.inner.value(at).view(complex), at)
-
-    def _mix(self, p: _Posture, values: Array) -> Array:
-        """sin(phi) times what belongs to C, cos(phi) times what belongs to -S, of values on the pattern of their gradients."""
-        return p.unit.view(float).take(self._beside, axis=-1) * values
-
-    def _mix_rate(self, p: _Posture) -> Array:
-        """The derivative of the mixture of the gradients with respect to phi: cos(phi) dC + sin(phi) dS."""
-        return p.unit.conj().view(float).take(self.inner.rows, axis=-1) * self.inner.gradient(p.at)
+        return _Posture(unit, unit.conj() * self.inner.value(at).view(complex), at)
 
     def _turning(self, values: Array, v: Array) -> Array:
-        """The products [..., m] of v with rows of these values."""
+        """The products [..., m] of v with rows of these values on the inner pattern."""
         return self._sum(values * v.take(self.inner.cols, axis=-1))
 
     def value(self, p: _Posture) -> Array:
-        return p.w.imag
+        return p.w.real
 
     def gradient(self, p: _Posture) -> Array:
-        return np.concatenate((self._mix(p, self.inner.gradient(p.at)), p.w.real), axis=-1)
+        return np.concatenate((self.inner.weighted(p.at, p.weights), p.w.imag), axis=-1)
 
     def swirl(self, p: _Posture, v: Array) -> Array:
-        rate, cross_term = v.take(self.phi, axis=-1), self._mix_rate(p)
-        along = self._mix(p, self.inner.swirl(p.at, v)) + rate.take(self.owner, axis=-1) * cross_term
-        return np.concatenate((along, self._turning(cross_term, v) - rate * p.w.imag), axis=-1)
+        rate, cross_term = v.take(self.phi, axis=-1), self.inner.weighted(p.at, p.rates)
+        along = rate.take(self.owner, axis=-1) * cross_term
+        if not self.inner.linear:
+            along += p.weights.take(self.inner.rows, axis=-1) * self.inner.swirl(p.at, v)
+        return np.concatenate((along, self._turning(cross_term, v) - rate * p.w.real), axis=-1)
 
     def bias(self, p: _Posture, v: Array) -> Array:
-        rate, cross_term = v.take(self.phi, axis=-1), self._turning(self._mix_rate(p), v)
-        return (p.unit * self.inner.bias(p.at, v).view(complex)).imag + 2.0 * rate * cross_term - rate**2 * p.w.imag
+        rate, cross_term = v.take(self.phi, axis=-1), self._turning(self.inner.weighted(p.at, p.rates), v)
+        return (p.unit.conj() * self.inner.bias(p.at, v).view(complex)).real + 2.0 * rate * cross_term - rate**2 * p.w.real
 
     def curvature(self, p: _Posture, multipliers: Array) -> Array:
-        weights = (1j * p.unit.conj() * multipliers).view(float)  # times sin(phi), cos(phi)
-        cross_term = self._mix_rate(p) * multipliers.take(self.owner, axis=-1)
-        return np.concatenate((self.inner.curvature(p.at, weights), cross_term, cross_term, -multipliers * p.w.imag), axis=-1)
+        along = self.inner.curvature(p.at, (p.unit * multipliers).view(float))
+        cross_term = self.inner.weighted(p.at, p.rates) * multipliers.take(self.owner, axis=-1)
+        return np.concatenate((along, cross_term, cross_term, -multipliers * p.w.real), axis=-1)
