@@ -13,6 +13,7 @@ The linear part of G is never evaluated again.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -20,12 +21,12 @@ from numpy.typing import NDArray
 
 from .affine import Array, Scalar
 from .rows import Row
-from .sums import Index, affine, sums_of_runs
+from .sums import Index, Map, affine, sums_of_runs
 
 NO_FORMS = np.zeros(0)
 
 
-class Entries(NamedTuple):
+class Terms(NamedTuple):
     """Weights times coordinates q[columns], and what these are terms of."""
 
     of: Index
@@ -33,7 +34,7 @@ class Entries(NamedTuple):
     weights: Array
 
     @classmethod
-    def gathered(cls, scalars: Sequence[Scalar], of: Iterable[int], n: int) -> Entries:
+    def gathered(cls, scalars: Sequence[Scalar], of: Iterable[int], n: int) -> Terms:
         sizes = [scalar.columns.size for scalar in scalars]
         columns = np.concatenate([np.zeros(0, np.intp), *(scalar.columns for scalar in scalars)]) % n
         return cls(np.repeat(np.fromiter(of, np.intp), sizes), columns, np.concatenate([np.zeros(0), *(scalar.coefficients for scalar in scalars)]))
@@ -57,32 +58,31 @@ class Quadratic:
         products, linear, constants = _split(rows)
         forms = [x for _, x, _ in products] + [y for *_, y in products]
         self.owner, self.products, self.linear = np.array([r for r, *_ in products], dtype=np.intp), len(products), not products
-        self._linear = Entries.gathered([scalar for _, scalar in linear], [r for r, _ in linear], n)
-        self._forms = Entries.gathered(forms, range(len(forms)), n)
-        self.linear_part = affine(np.array(constants), *self._linear, n)
-        self.forms = affine(np.array([form.constant for form in forms]), *self._forms, n)
+        of_rows = Terms.gathered([scalar for _, scalar in linear], [r for r, _ in linear], n)
+        of_forms = Terms.gathered(forms, range(len(forms)), n)
+        self.linear_part = affine(np.array(constants), *of_rows, n)
+        self.forms = affine(np.array([form.constant for form in forms]), *of_forms, n)
         self.by_row = sums_of_runs(self.owner, self.m)
-        self._compile_gradient(n)
-        self._compile_curvature()
+        self._compile_gradient(of_rows, of_forms, n)
+        self._compile_curvature(of_forms)
 
-    def _compile_gradient(self, n: int) -> None:
+    def _compile_gradient(self, linear: Terms, forms: Terms, n: int) -> None:
         """Entries that vary come last, so that they are one slice."""
-        form, columns, weights = self._forms
+        form, columns, weights = forms
         varying = np.tile(self.owner, 2)[form] * n + columns
-        keys, slot = np.unique(np.concatenate((varying, self._linear.of * n + self._linear.columns)), return_inverse=True)
+        keys, slot = np.unique(np.concatenate((varying, linear.of * n + linear.columns)), return_inverse=True)
         last = np.bincount(slot[: varying.size], minlength=keys.size) > 0
         order = np.argsort(last, kind="stable")
         keys, slot = keys[order], np.argsort(order)[slot]
         self.rows, self.cols = keys // n, keys % n
-        self.fixed: Array = np.bincount(slot[varying.size :], self._linear.weights, minlength=keys.size).astype(float)
+        self.fixed: Array = np.bincount(slot[varying.size :], linear.weights, minlength=keys.size).astype(float)
         self.varying_rows = self.rows[keys.size - int(last.sum()) :]
         other = np.roll(np.arange(2 * self.products), self.products)[form]
-        self._weighted = affine(np.zeros(keys.size), np.arange(keys.size), self.rows, self.fixed, self.m)
         self.slopes = affine(self.fixed, slot[: varying.size], other, weights, 2 * self.products)
 
-    def _compile_curvature(self) -> None:
-        """Pairs of an entry of the left side and one of the right side of each product."""
-        forms, half = self._forms, int(np.searchsorted(self._forms.of, self.products))
+    def _compile_curvature(self, forms: Terms) -> None:
+        """Pairs of a term of the left side and one of the right side of each product."""
+        half = int(np.searchsorted(forms.of, self.products))
         size = np.bincount(forms.of[half:] - self.products, minlength=self.products)  # of the right sides
         product, first = forms.of[:half], half + np.cumsum(size) - size
         times = size[product]
@@ -91,6 +91,12 @@ class Quadratic:
         a, b, c = forms.columns[i], forms.columns[j], forms.weights[i] * forms.weights[j]
         self.curvature_rows, self.curvature_cols = np.concatenate((a, b)), np.concatenate((b, a))
         self.curvature_weights, self.curvature_owner = np.tile(c, 2), np.tile(self.owner[product[i]], 2)
+
+    @cached_property
+    def _fixed_times(self) -> Map:
+        """From weights of rows to a constant G with each row times its weight."""
+        nnz = self.fixed.size
+        return affine(np.zeros(nnz), np.arange(nnz), self.rows, self.fixed, self.m)
 
     @property
     def constant_rows(self) -> NDArray[np.bool_]:
@@ -118,7 +124,7 @@ class Quadratic:
 
     def weighted(self, at: At, weights: Array) -> Array:
         """Values of G, each row times its weight [..., m]."""
-        return self._weighted(weights) if self.linear else weights.take(self.rows, axis=-1) * self.gradient(at)
+        return self._fixed_times(weights) if self.linear else weights.take(self.rows, axis=-1) * self.gradient(at)
 
     def _varying(self, z: Array) -> Array:
         """What z changes is added to what is fixed."""
