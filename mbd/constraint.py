@@ -12,167 +12,146 @@ The linear part of G is never evaluated again.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .affine import Array, Scalar
 from .rows import Row
+from .sums import Index, Map, affine, sums_of_runs
+
+NO_FORMS = np.zeros(0)
 
 
-class Segments:
-    """Sums of consecutive entries along the last axis, prepared once. Keys must be sorted; ``keys`` lists the distinct ones, and ``place``
-    is where they stand: a slice where nothing lies between them, which is several times as fast as an index."""
+class Terms(NamedTuple):
+    """Weights times coordinates q[columns], and what these are terms of."""
 
-    def __init__(self, keys: NDArray[np.intp]):
-        self.keys, self.starts = np.unique(keys, return_index=True)
-        self.trivial = self.keys.size == keys.size
-        first, size = int(self.keys[0]) if self.keys.size else 0, self.keys.size
-        self.place: Any = slice(first, first + size) if np.array_equal(self.keys, first + np.arange(size)) else self.keys
+    of: Index
+    columns: Index
+    weights: Array
 
-    def sum(self, values: Array) -> Array:
-        return values if self.trivial else np.add.reduceat(values, self.starts, axis=-1)
-
-
-class Sums:
-    """Weighted sums of coordinates: of all with the same of the sorted keys, which ``keys`` lists."""
-
-    def __init__(self, scalars: Sequence[Scalar], keys: Sequence[int], n: int):
-        sizes = np.array([scalar.columns.size for scalar in scalars], dtype=np.intp)
-        self.columns = np.concatenate([scalar.columns for scalar in scalars] or [np.zeros(0, np.intp)]) % n
-        self.coefficients = np.concatenate([scalar.coefficients for scalar in scalars] or [np.zeros(0)])
-        self.of = np.repeat(np.array(keys, dtype=np.intp), sizes)
-        self.by_key = Segments(self.of)
-
-    def __call__(self, q: Array) -> Array:
-        """[..., keys]."""
-        return self.by_key.sum(self.coefficients * q.take(self.columns, axis=-1))
+    @classmethod
+    def gathered(cls, scalars: Sequence[Scalar], of: Iterable[int], n: int) -> Terms:
+        sizes = [scalar.columns.size for scalar in scalars]
+        columns = np.concatenate([np.zeros(0, np.intp), *(scalar.columns for scalar in scalars)]) % n
+        return cls(np.repeat(np.fromiter(of, np.intp), sizes), columns, np.concatenate([np.zeros(0), *(scalar.coefficients for scalar in scalars)]))
 
 
 class At(NamedTuple):
-    """Coordinates q [..., n], and the forms z [..., forms] there."""
+    """Coordinates q [..., n], and the forms z [..., forms] there, none where G is constant."""
 
     q: Array
     z: Array
 
 
 class Quadratic:
-    """The rows [m] of all joints: values, gradients and curvatures for q [..., n]."""
+    """The rows [m] of all joints: values, gradients and curvatures for q [..., n].
+
+    ``linear``: G is constant. The forms are all left sides of products, then all right ones.
+    """
 
     def __init__(self, rows: Sequence[Row], n: int):
         self.m = len(rows)
-        self.constant = np.array([row.linear.constant for row in rows])
-        forms: list[Scalar] = []
-        owner: list[int] = []
-        linear: list[tuple[int, Scalar]] = []
-        for r, row in enumerate(rows):
-            self._collect(r, row, forms, owner, linear)
-        self.linear_part = Sums([scalar for _, scalar in linear], [r for r, _ in linear], n)
-        self.forms, self.offsets = Sums(forms, range(len(forms)), n), np.array([form.constant for form in forms])
-        self.first = np.concatenate(([0], np.cumsum([form.columns.size for form in forms], dtype=np.intp)))
-        self.owner, self.left, self.right = np.array(owner, dtype=np.intp), np.arange(0, len(forms), 2), np.arange(1, len(forms), 2)
-        self.by_row = Segments(self.owner)
-        self._compile_gradient(n)
-        self._compile_curvature()
+        products, linear, constants = _split(rows)
+        forms = [x for _, x, _ in products] + [y for *_, y in products]
+        self.owner, self.products, self.linear = np.array([r for r, *_ in products], dtype=np.intp), len(products), not products
+        of_rows = Terms.gathered([scalar for _, scalar in linear], [r for r, _ in linear], n)
+        of_forms = Terms.gathered(forms, range(len(forms)), n)
+        self.linear_part = affine(np.array(constants), *of_rows, n)
+        self.forms = affine(np.array([form.constant for form in forms]), *of_forms, n)
+        self.by_row = sums_of_runs(self.owner, self.m)
+        self._compile_gradient(of_rows, of_forms, n)
+        self._compile_curvature(of_forms)
 
-    def _collect(self, r: int, row: Row, forms: list[Scalar], owner: list[int], linear: list[tuple[int, Scalar]]) -> None:
-        """Products of which both sides vary; all else is linear, and its constant is added to that of the row."""
-        linear.append((r, row.linear))
-        for x, y in row.products:
-            if x.columns.size and y.columns.size:
-                forms.extend((x, y))
-                owner.append(r)
-            else:
-                varying, fixed = (x, y) if x.columns.size else (y, x)
-                linear.append((r, varying.scaled(fixed.constant)))
-                self.constant[r] += varying.constant * fixed.constant
-
-    def _entries(self, form: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """All (position in ``form``, coefficient index) pairs of the given forms."""
-        start, size = self.first[form], self.first[form + 1] - self.first[form]
-        position = np.repeat(np.arange(form.size), size)
-        return position, np.arange(position.size) - np.repeat(np.cumsum(size) - size, size) + start[position]
-
-    def _compile_gradient(self, n: int) -> None:
-        parts = []
-        for varied, kept in ((self.left, self.right), (self.right, self.left)):
-            product, entry = self._entries(varied)
-            parts.append((self.owner[product] * n + self.forms.columns[entry], kept[product], self.forms.coefficients[entry]))
-        varying, factor, coefficient = (np.concatenate(part) for part in zip(*parts))
-        constant = self.linear_part.of * n + self.linear_part.columns
-        keys, slot = np.unique(np.concatenate((varying, constant)), return_inverse=True)
-        last = np.bincount(slot[: varying.size], minlength=keys.size) > 0  # entries that vary come last: they are one slice
+    def _compile_gradient(self, linear: Terms, forms: Terms, n: int) -> None:
+        """Entries that vary come last, so that they are one slice."""
+        form, columns, weights = forms
+        varying = np.tile(self.owner, 2)[form] * n + columns
+        keys, slot = np.unique(np.concatenate((varying, linear.of * n + linear.columns)), return_inverse=True)
+        last = np.bincount(slot[: varying.size], minlength=keys.size) > 0
         order = np.argsort(last, kind="stable")
         keys, slot = keys[order], np.argsort(order)[slot]
         self.rows, self.cols = keys // n, keys % n
-        self.fixed: Array = np.bincount(slot[varying.size :], self.linear_part.coefficients, minlength=keys.size).astype(float)
-        order = np.argsort(slot[: varying.size], kind="stable")
-        self.gradient_factor, self.gradient_coefficient = factor[order], coefficient[order]
-        self.by_slot = Segments(slot[: varying.size][order])
-        self._offset = self.fixed[self.by_slot.place]
+        self.fixed: Array = np.bincount(slot[varying.size :], linear.weights, minlength=keys.size).astype(float)
+        self.varying_rows = self.rows[keys.size - int(last.sum()) :]
+        other = np.roll(np.arange(2 * self.products), self.products)[form]
+        self.slopes = affine(self.fixed, slot[: varying.size], other, weights, 2 * self.products)
 
-    def _compile_curvature(self) -> None:
-        pair, i = self._entries(self.left)
-        again, j = self._entries(self.right[pair])
-        i, pair = i[again], pair[again]
-        a, b, c = self.forms.columns[i], self.forms.columns[j], self.forms.coefficients[i] * self.forms.coefficients[j]
+    def _compile_curvature(self, forms: Terms) -> None:
+        """Pairs of a term of the left side and one of the right side of each product."""
+        half = int(np.searchsorted(forms.of, self.products))
+        size = np.bincount(forms.of[half:] - self.products, minlength=self.products)  # of the right sides
+        product, first = forms.of[:half], half + np.cumsum(size) - size
+        times = size[product]
+        i = np.repeat(np.arange(half), times)
+        j = first[product[i]] + np.arange(i.size) - np.repeat(np.cumsum(times) - times, times)
+        a, b, c = forms.columns[i], forms.columns[j], forms.weights[i] * forms.weights[j]
         self.curvature_rows, self.curvature_cols = np.concatenate((a, b)), np.concatenate((b, a))
-        self.curvature_coefficient = np.concatenate((c, c))
-        self.curvature_owner = np.concatenate((self.owner[pair], self.owner[pair]))
+        self.curvature_weights, self.curvature_owner = np.tile(c, 2), np.tile(self.owner[product[i]], 2)
 
-    @property
-    def linear(self) -> bool:
-        """Whether G is constant."""
-        return self.gradient_factor.size == 0
+    @cached_property
+    def _fixed_times(self) -> Map:
+        """From weights of rows to a constant G with each row times its weight."""
+        nnz = self.fixed.size
+        return affine(np.zeros(nnz), np.arange(nnz), self.rows, self.fixed, self.m)
 
     @property
     def constant_rows(self) -> NDArray[np.bool_]:
         """[m]: whether the row's part of G is constant."""
         constant = np.ones(self.m, dtype=bool)
-        constant[self.rows[self.by_slot.keys]] = False
+        constant[self.varying_rows] = False
         return constant
 
     def prepare(self, q: Array) -> At:
         """What the other methods take."""
-        return At(q, self.forms(q) + self.offsets)
+        return At(q, NO_FORMS if self.linear else self.forms(q))
+
+    def _products(self, z: Array) -> Array:
+        """Their sums [..., m]."""
+        return self.by_row(z[..., : self.products] * z[..., self.products :])
 
     def value(self, at: At) -> Array:
         """g [..., m]."""
-        g = np.empty((*at.q.shape[:-1], self.m))
-        g[...] = self.constant
-        g[..., self.linear_part.by_key.place] += self.linear_part(at.q)
-        g[..., self.by_row.place] += self.by_row.sum(at.z[..., ::2] * at.z[..., 1::2])
-        return g
+        g = self.linear_part(at.q)
+        return g if self.linear else g + self._products(at.z)
 
     def gradient(self, at: At) -> Array:
         """Values of G [..., nnz] on the pattern (rows, cols); [nnz] where they are constant."""
-        if self.linear:
-            return self.fixed
-        values = np.empty((*at.q.shape[:-1], self.fixed.size))
-        values[...] = self.fixed
-        values[..., self.by_slot.place] = self._varying(at.z) + self._offset
-        return values
+        return self.fixed if self.linear else self._varying(at.z)
+
+    def weighted(self, at: At, weights: Array) -> Array:
+        """Values of G, each row times its weight [..., m]."""
+        return self._fixed_times(weights) if self.linear else weights.take(self.rows, axis=-1) * self.gradient(at)
 
     def _varying(self, z: Array) -> Array:
-        return self.by_slot.sum(self.gradient_coefficient * z.take(self.gradient_factor, axis=-1))
+        """What z changes is added to what is fixed."""
+        return self.slopes(z)
 
     def swirl(self, at: At, v: Array) -> Array:
         """Values of d(G v)/dq [..., nnz] on the pattern of G."""
-        values = np.zeros((*v.shape[:-1], self.fixed.size))
-        if not self.linear:
-            values[..., self.by_slot.place] = self._varying(self.forms(v))
-        return values
+        return np.zeros((*v.shape[:-1], self.fixed.size)) if self.linear else self.slopes.slope(self.forms.slope(v))
 
     def bias(self, at: At, v: Array) -> Array:
         """v' d2g/dq2 v [..., m]."""
-        out = np.zeros((*v.shape[:-1], self.m))
-        if not self.linear:
-            rates = self.forms(v)
-            out[..., self.by_row.place] = 2.0 * self.by_row.sum(rates[..., ::2] * rates[..., 1::2])
-        return out
+        return np.zeros((*v.shape[:-1], self.m)) if self.linear else 2.0 * self._products(self.forms.slope(v))
 
     def curvature(self, at: At, multipliers: Array) -> Array:
         """Values of d(G' lambda)/dq on the pattern (curvature_rows, curvature_cols)."""
-        return self.curvature_coefficient * multipliers.take(self.curvature_owner, axis=-1)
+        return self.curvature_weights * multipliers.take(self.curvature_owner, axis=-1)
+
+
+def _split(rows: Sequence[Row]) -> tuple[list[tuple[int, Scalar, Scalar]], list[tuple[int, Scalar]], list[float]]:
+    """Products of which both sides vary, as (row, x, y); all else is linear, (row, x), and its constants are added to those of the rows."""
+    products, linear, constants = [], [(r, row.linear) for r, row in enumerate(rows)], [row.linear.constant for row in rows]
+    for r, row in enumerate(rows):
+        for x, y in row.products:
+            if x.columns.size and y.columns.size:
+                products.append((r, x, y))
+            else:
+                varying, fixed = (x, y) if x.columns.size else (y, x)
+                linear.append((r, varying.scaled(fixed.constant)))
+                constants[r] += varying.constant * fixed.constant
+    return products, linear, constants

@@ -13,8 +13,8 @@ from .affine import Array
 from .constraint import Quadratic
 from .model import Model
 from .relation import Relations
-from .scatter import Scatter
 from .slip import Slip
+from .sums import sums
 from .target import Targets
 from .track import OnTrack
 from .turn import Turn
@@ -46,6 +46,8 @@ class Joints:
         self.slips = np.arange(self.m - len(model.slips), self.m)
         self.spans = [slice(int(a), int(b)) for a, b in zip(first[:-1], first[1:])]
         empty = [np.zeros(0, np.intp)]
+        ends = np.cumsum([kernel.rows.size for kernel in self.kernels], dtype=int).tolist()
+        self.parts = [slice(a, b) for a, b in zip([0, *ends], ends)]  # of the pattern of G
         self.rows = np.concatenate([kernel.rows + a for kernel, a in zip(self.kernels, first)] or empty)
         self.cols = np.concatenate([kernel.cols for kernel in self.kernels] or empty)
         self.curvature_rows = np.concatenate([kernel.curvature_rows for kernel in self.kernels] or empty)
@@ -53,7 +55,7 @@ class Joints:
         self.drives = model.drives  # quadratic rows come first: their numbers are those of the model's equations
         self.linear = all(kernel.linear for kernel in self.kernels) and not self.drives
         self.quadratic = all(isinstance(kernel, Quadratic) for kernel in self.kernels)
-        self.to_rows, self.to_cols = Scatter(self.rows, self.m), Scatter(self.cols, model.n)
+        self.to_rows, self.to_cols = sums(self.rows, self.m), sums(self.cols, model.n)
 
     def at(self, q: Array) -> JointsAt:
         return JointsAt(self, q)
@@ -77,29 +79,28 @@ class JointsAt:
 
     def __init__(self, joints: Joints, q: Array):
         self.joints, self.batch = joints, q.shape[:-1]
-        self.states = [kernel.prepare(q) for kernel in joints.kernels]
+        self.states = [(kernel, kernel.prepare(q)) for kernel in joints.kernels]
 
     @cached_property
     def gradient(self) -> Array:
         """Values of G [..., nnz] on the pattern (rows, cols); [nnz] where they are constant."""
-        return self._join([kernel.gradient(z) for kernel, z in zip(self.joints.kernels, self.states)])
-
-    def _join(self, parts: list[Array]) -> Array:
-        if len(parts) == 1:
-            return parts[0]
-        if not parts:
-            return np.zeros((*self.batch, 0))
-        out, first = np.empty((*self.batch, sum(part.shape[-1] for part in parts))), 0
-        for part in parts:  # some are the same for all configurations
-            last = first + part.shape[-1]
-            out[..., first:last] = part
-            first = last
+        values = [kernel.gradient(z) for kernel, z in self.states]
+        if len(values) == 1:
+            return values[0]
+        out = np.empty((*self.batch, self.joints.rows.size))
+        for part, own in zip(self.joints.parts, values):  # some are the same for all configurations
+            out[..., part] = own
         return out
+
+    def _joined(self, values: list[Array]) -> Array:
+        if len(values) == 1:
+            return values[0]
+        return np.concatenate(values, axis=-1) if values else np.zeros((*self.batch, 0))
 
     @property
     def value(self) -> Array:
         """gamma [..., m]: g without what drives ask for."""
-        return self._join([kernel.value(z) for kernel, z in zip(self.joints.kernels, self.states)])
+        return self._joined([kernel.value(z) for kernel, z in self.states])
 
     def pull(self, multipliers: Array) -> Array:
         """G' lambda [..., n]."""
@@ -111,14 +112,12 @@ class JointsAt:
 
     def swirl(self, v: Array) -> Array:
         """Values of d(G v)/dq on the pattern of G."""
-        return self._join([kernel.swirl(z, v) for kernel, z in zip(self.joints.kernels, self.states)])
+        return self._joined([kernel.swirl(z, v) for kernel, z in self.states])
 
     def bias(self, v: Array) -> Array:
         """v' d2(gamma)/dq2 v [..., m]: c'' minus this is what G a must be."""
-        return self._join([kernel.bias(z, v) for kernel, z in zip(self.joints.kernels, self.states)])
+        return self._joined([kernel.bias(z, v) for kernel, z in self.states])
 
     def curvature(self, multipliers: Array) -> Array:
         """Values of d(G' lambda)/dq on (curvature_rows, curvature_cols)."""
-        spans = self.joints.spans
-        parts = [kernel.curvature(z, multipliers[..., span]) for kernel, z, span in zip(self.joints.kernels, self.states, spans)]
-        return self._join(parts)
+        return self._joined([kernel.curvature(z, multipliers[..., span]) for (kernel, z), span in zip(self.states, self.joints.spans)])

@@ -3,8 +3,8 @@
     g = sin(phi) C - cos(phi) S = 0,   C = p . c,  S = p . s        (g = |p| |c| sin(phi - angle))
 
 In the plane s = i c. In space c and s turn with one body and p with another, all perpendicular to a common axis of rotation at phi = 0.
-C and S are quadratic rows themselves; phi is a coordinate without mass, so that the kernels keep no state and a spring, a motor or a
-gear sees an angle that grows over many turns.
+C and S are quadratic rows themselves, and g = Re w with w = exp(-i phi) (-S + i C), of which dw/dphi = -i w. phi is a coordinate without
+mass, so that the kernels keep no state and a spring, a motor or a gear sees an angle that grows over many turns.
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .affine import Affine, Array
 from .constraint import At, Quadratic
 from .rows import dot
-from .scatter import Scatter
+from .sums import sums
 
 
 class Turning(NamedTuple):
@@ -35,65 +36,69 @@ class Turning(NamedTuple):
 
 
 class _Posture(NamedTuple):
-    sine: Array
-    cosine: Array
-    weights: Array  # of C and S in g [..., 2 m]
-    aligned: Array  # C and S [..., 2 m]
-    z: At
+    """At q [..., n]: exp(i phi) and w [..., m], and what the inner rows take."""
+
+    unit: NDArray[np.complex128]
+    w: NDArray[np.complex128]
+    at: At
+
+    @property
+    def weights(self) -> Array:
+        """Of the inner rows in g [..., 2 m]."""
+        return self.unit.view(float)
+
+    @property
+    def rates(self) -> Array:
+        """Of the inner rows in dg/dphi [..., 2 m]."""
+        return (1j * self.unit).view(float)
 
 
 class Turn:
-    """The rows [m] of all turning angles."""
+    """The rows [m] of all turning angles. The inner rows are -S and C of each in turn, seen as one complex number."""
+
+    linear = False
 
     def __init__(self, turns: Sequence[Turning], n: int):
         self.m = len(turns)
-        self.inner = Quadratic([dot(t.moving, t.ahead) for t in turns] + [dot(t.moving, t.across) for t in turns], n)
-        self.phi = np.array([t.phi for t in turns], dtype=np.intp) % n
-        self.owner = self.inner.rows % self.m
+        pairs = [(dot(t.moving, t.across, factor=-1.0), dot(t.moving, t.ahead)) for t in turns]
+        self.inner = inner = Quadratic([row for pair in pairs for row in pair], n)
+        self.phi = phi = np.array([t.phi for t in turns], dtype=np.intp) % n
+        self.owner = inner.rows // 2
         self.rows = np.concatenate((self.owner, np.arange(self.m)))
-        self.cols = np.concatenate((self.inner.cols, self.phi))
-        self._sum = Scatter(self.owner, self.m)
-        inner, phi = self.inner, self.phi
+        self.cols = np.concatenate((inner.cols, phi))
+        self._sum = sums(self.owner, self.m)
         self.curvature_rows = np.concatenate((inner.curvature_rows, inner.cols, phi[self.owner], phi))
         self.curvature_cols = np.concatenate((inner.curvature_cols, phi[self.owner], inner.cols, phi))
-        self.linear = False
 
     def prepare(self, q: Array) -> _Posture:
-        z, phi = self.inner.prepare(q), q.take(self.phi, axis=-1)
-        sine, cosine = np.sin(phi), np.cos(phi)
-        return _Posture(sine, cosine, np.concatenate((sine, -cosine), axis=-1), self.inner.value(z), z)
+        phi, at = q.take(self.phi, axis=-1), self.inner.prepare(q)
+        unit = np.empty(phi.shape, complex)
+        np.cos(phi, unit.real)
+        np.sin(phi, unit.imag)
+        return _Posture(unit, unit.conj() * self.inner.value(at).view(complex), at)
 
-    def _mix(self, p: _Posture, values: Array) -> Array:
-        """sin(phi) times what belongs to C, -cos(phi) times what belongs to S, of values on the pattern of their gradients."""
-        return p.weights.take(self.inner.rows, axis=-1) * values
-
-    def _mix_rate(self, p: _Posture, values: Array) -> Array:
-        """The derivative of the mixture with respect to phi."""
-        return np.concatenate((p.cosine, p.sine), axis=-1).take(self.inner.rows, axis=-1) * values
+    def _turning(self, values: Array, v: Array) -> Array:
+        """The products [..., m] of v with rows of these values on the inner pattern."""
+        return self._sum(values * v.take(self.inner.cols, axis=-1))
 
     def value(self, p: _Posture) -> Array:
-        parts = p.weights * p.aligned
-        return parts[..., : self.m] + parts[..., self.m :]
-
-    def _slope(self, p: _Posture) -> Array:
-        return p.cosine * p.aligned[..., : self.m] + p.sine * p.aligned[..., self.m :]
+        return p.w.real
 
     def gradient(self, p: _Posture) -> Array:
-        return np.concatenate((self._mix(p, self.inner.gradient(p.z)), self._slope(p)), axis=-1)
+        return np.concatenate((self.inner.weighted(p.at, p.weights), p.w.imag), axis=-1)
 
     def swirl(self, p: _Posture, v: Array) -> Array:
-        turning = v[..., self.phi]
-        cross_term = self._mix_rate(p, self.inner.gradient(p.z))
-        along = self._mix(p, self.inner.swirl(p.z, v)) + turning[..., self.owner] * cross_term
-        return np.concatenate((along, self._sum(cross_term * v[..., self.inner.cols]) - turning * self.value(p)), axis=-1)
+        rate, cross_term = v.take(self.phi, axis=-1), self.inner.weighted(p.at, p.rates)
+        along = rate.take(self.owner, axis=-1) * cross_term
+        if not self.inner.linear:
+            along += p.weights.take(self.inner.rows, axis=-1) * self.inner.swirl(p.at, v)
+        return np.concatenate((along, self._turning(cross_term, v) - rate * p.w.real), axis=-1)
 
     def bias(self, p: _Posture, v: Array) -> Array:
-        turning, inner = v[..., self.phi], self.inner.bias(p.z, v)
-        mixed = p.sine * inner[..., : self.m] - p.cosine * inner[..., self.m :]
-        cross_term = self._sum(self._mix_rate(p, self.inner.gradient(p.z)) * v[..., self.inner.cols])
-        return mixed + 2.0 * turning * cross_term - turning**2 * self.value(p)
+        rate, cross_term = v.take(self.phi, axis=-1), self._turning(self.inner.weighted(p.at, p.rates), v)
+        return (p.unit.conj() * self.inner.bias(p.at, v).view(complex)).real + 2.0 * rate * cross_term - rate**2 * p.w.real
 
     def curvature(self, p: _Posture, multipliers: Array) -> Array:
-        weights = np.concatenate((p.sine * multipliers, -p.cosine * multipliers), axis=-1)
-        cross_term = self._mix_rate(p, self.inner.gradient(p.z)) * multipliers[..., self.owner]
-        return np.concatenate((self.inner.curvature(p.z, weights), cross_term, cross_term, -multipliers * self.value(p)), axis=-1)
+        along = self.inner.curvature(p.at, (p.unit * multipliers).view(float))
+        cross_term = self.inner.weighted(p.at, p.rates) * multipliers.take(self.owner, axis=-1)
+        return np.concatenate((along, cross_term, cross_term, -multipliers * p.w.real), axis=-1)

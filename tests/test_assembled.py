@@ -1,9 +1,11 @@
 """Strains and rows of a whole scene: shortcuts of small ones against the general way."""
 
 import numpy as np
+import pytest
 
 import mbd
 import mbd.strains as strains_module
+import mbd.sums as sums_module
 import mbd.system as system_module
 from mbd.affine import Affine, Scalar
 from mbd.constraint import Quadratic
@@ -23,6 +25,56 @@ def test_slopes_of_few_strains_are_one_matrix(monkeypatch) -> None:
     assert type(whole) is not type(parts)
     np.testing.assert_allclose(whole.pull(stress), parts.pull(stress), rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(whole.push(change), parts.push(change), rtol=1e-12, atol=1e-12)
+
+
+def joints_of_three_kinds() -> mbd.Scene:
+    """Linear and quadratic rows, turns of a cable against the ground and against a body, a blade."""
+    scene = mbd.Scene(gravity=(0.0, -9.81))
+    rod = scene.add(mbd.AncfCable((0.0, 0.0), (1.0, 0.2), n_elements=2, E=1e7, A=1e-4, I=1e-9, rho=1000.0))
+    body = scene.add(mbd.RigidBody(mass=1.0, inertia=0.1, position=(1.3, 0.2), angle=0.3))
+    scene.add(mbd.Prescribed(rod.start, (0.0, 0.0), angle=lambda t: 0.2 + t))
+    scene.add(mbd.Pin(body.at(-0.3, 0.0), rod.end))
+    scene.add(mbd.Distance(body.at(0.1, 0.1), scene.ground.at(2.0, 1.0)))
+    scene.add(mbd.TorsionSpring(body.at(0.0, 0.0), rod.end, stiffness=1.0))
+    scene.add(mbd.KnifeEdge(body.at(0.2, 0.0), axis=(1.0, 0.0)))
+    return scene
+
+
+def evaluated(q: np.ndarray, v: np.ndarray, multipliers: np.ndarray) -> dict[str, np.ndarray]:
+    joints = joints_of_three_kinds().build().joints
+    at = joints.at(q)
+    return {
+        "value": at.value, "gradient": at.gradient, "swirl": at.swirl(v), "bias": at.bias(v), "curvature": at.curvature(multipliers),
+        "push": at.push(v), "pull": at.pull(multipliers),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("batch", [(), (3,), (2, 3)])
+def test_equations_of_small_scenes_are_products_of_matrices(batch: tuple[int, ...], monkeypatch: pytest.MonkeyPatch) -> None:
+    system, rng = joints_of_three_kinds().build(), np.random.default_rng(4)
+    assert len(system.joints.kernels) == 3
+    q = system.q0 + 0.3 * rng.normal(size=(*batch, system.n))
+    v, multipliers = rng.normal(size=q.shape), rng.normal(size=(*batch, system.m))
+    by_products = evaluated(q, v, multipliers)
+    monkeypatch.setattr(sums_module, "SMALL", 0)
+    for name, values in evaluated(q, v, multipliers).items():
+        assert values.shape == by_products[name].shape and np.ptp(values) > 0.0, name
+        np.testing.assert_allclose(by_products[name], values, rtol=1e-13, atol=1e-13, err_msg=name)
+
+
+@pytest.mark.parametrize("small", [0, 100])
+def test_affine_maps_are_their_matrices(small: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With entries in any order, twice in one place, and rows without any: behind, between and before the others."""
+    monkeypatch.setattr(sums_module, "SMALL", small)
+    rng = np.random.default_rng(1)
+    for rows in ([3, 1, 3, 2, 1], [1, 1, 1, 3, 3], [0, 1, 2, 3, 4], []):
+        index, columns, weights = np.array(rows, dtype=np.intp), np.arange(5)[: len(rows)] % 3, rng.normal(size=len(rows))
+        matrix, constant = np.zeros((5, 3)), rng.normal(size=5)
+        np.add.at(matrix, (index, columns), weights)
+        x = rng.normal(size=(4, 3))
+        found = sums_module.affine(constant, index, columns, weights, 3)
+        np.testing.assert_allclose(found(x), constant + x @ matrix.T, rtol=1e-14, atol=1e-14)
+        np.testing.assert_allclose(found.slope(x[0]), matrix @ x[0], rtol=1e-14, atol=1e-14)
 
 
 def test_rows_without_coordinates_keep_their_value() -> None:
