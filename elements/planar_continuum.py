@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from mbd.affine import Array
 
-from .frozen import Frozen
 from .shapes import gauss, hermite_bend, hermite_slope
 
 Complex = NDArray[np.complex128]
@@ -42,11 +41,7 @@ class PlanarContinuum:
         self.pair_scale = (self.scale[:, :, None] * self.scale[:, None, :]).reshape(-1, 64)
         by_x, by_y = hermite_slope(xi), hermite_bend(xi)
         self.by_x, self.by_y = (np.kron(by, np.eye(2)) for by in (by_x, by_y))
-        self.x_shape, self.y_shape = (by.T * scale[:, None, :] for by in (by_x, by_y))
-        alike, mixed = (np.einsum("ag,bg->gab", by_x, by) for by in (by_x, by_y))
-        bent, swapped, opposed = np.concatenate((alike, mixed + np.swapaxes(mixed, 1, 2))), np.array(((0, 1), (1, 0))), np.diag((1, -1))
-        by_parts = np.stack((np.kron(bent, swapped), np.kron(bent, opposed)), axis=1)  # of the real and the imaginary part of each c
-        self.pairs = np.concatenate((np.kron(alike, np.eye(2)).reshape(points, 64), by_parts.reshape(4 * points, 64)))
+        self._compile(by_x, by_y)
         self.per_length, self.turn = np.ones((self.items, points)), np.zeros((self.items, points), dtype=complex)
         at_rest = PlanarContinuumAt(self, np.swapaxes(rest, 1, 2).reshape(self.items, 8))
         rest_length = at_rest.size
@@ -55,6 +50,18 @@ class PlanarContinuum:
         arc = weight * rest_length
         self.modulus = np.stack((EA[:, None] * arc, EI[:, None] * arc), axis=1)
         self.viscosity = damping[:, None, None] * self.modulus
+
+    def _compile(self, by_x: Array, by_y: Array) -> None:
+        """What ``PlanarContinuumAt`` takes to nodal vectors by one product each: ``spread`` [6 g, 16 g] takes real and imaginary parts of slopes of
+        the strains by x and y at Gauss points to B, ``pairs`` [7 g, 64] the terms of second derivatives to matrices."""
+        g, here, plane = self.points, np.eye(self.points), np.eye(2)
+        on_x, on_y = (np.einsum("gh,ag,ij->gihaj", here, by, plane).reshape(2 * g, 8 * g) for by in (by_x, by_y))
+        none = np.zeros_like(on_x)
+        self.spread = np.block([[on_x, none], [none, on_x], [none, on_y]])
+        alike, mixed = (np.einsum("ag,bg->gab", by_x, by) for by in (by_x, by_y))
+        complex_ = np.concatenate((-0.5 * alike, -2.0 * alike, -mixed - np.swapaxes(mixed, 1, 2)))
+        by_parts = np.stack((np.kron(complex_, np.diag((1, -1))), np.kron(complex_, np.array(((0, 1), (1, 0))))), axis=1)
+        self.pairs = np.concatenate((by_parts.reshape(6 * g, 64), 0.5 * np.kron(alike, plane).reshape(g, 64)))
 
     def at(self, q: Array) -> PlanarContinuumAt:
         return PlanarContinuumAt(self, q.take(self.dofs, axis=-1))
@@ -117,38 +124,40 @@ class PlanarContinuumAt:
         return np.stack((stretch, (self.bending.conj() * (dy - self.bend * dx)).real), axis=-2)
 
     @cached_property
-    def matrix(self) -> Array:
-        """B [..., n, 2 g, 8]."""
-        k = self.kernel
-        out, bending = np.empty((*self.size.shape[:-1], 2, k.points, 4), dtype=complex), self.bending
-        np.multiply(self.stretching[..., None], k.x_shape, out=out[..., 0, :, :])
-        np.multiply((-self.bend.conj() * bending)[..., None], k.x_shape, out=out[..., 1, :, :])
-        out[..., 1, :, :] += bending[..., None] * k.y_shape
-        return out.view(float).reshape(*self.size.shape[:-1], 2 * k.points, 8)
+    def _gradients(self) -> tuple[Complex, Array, Complex]:
+        """1 / x*, the size of the stretch's gradient, and gradients: of the stretch by x, of the curvature by x and y [..., n, 3, g]."""
+        k, back = self.kernel, self.inverse.conj()
+        size, out = k.per_length / self.size, np.empty((*self.size.shape[:-1], 3, k.points), dtype=complex)
+        np.multiply(self.x, size, out=out[..., 0, :])
+        by_y = np.multiply(back, k.turn, out=out[..., 2, :])
+        np.multiply(self.bend.conj(), -by_y, out=out[..., 1, :])
+        return back, size, out
 
-    def frozen(self) -> Frozen:
-        """B alone, for many products."""
-        return Frozen(self.kernel, self.matrix)
+    @cached_property
+    def gradient(self) -> Array:
+        """B [..., n, 2 g, 8]."""
+        k, (*_, gradients) = self.kernel, self._gradients
+        flat = gradients.view(float).reshape(-1, 6 * k.points).dot(k.spread)
+        out: Array = flat.reshape(*self.size.shape[:-1], 2 * k.points, 8)
+        out *= k.scale[:, None, :]
+        return out
 
     def _curve(self, stress: Array) -> Array:
-        """sigma . d2(strain) as |dx|^2 e + Im(c_xx dx^2 + 2 c_xy dx dy): e, then real and imaginary parts of c_xx and c_xy [..., n, 5 g]."""
-        k = self.kernel
-        square = self.inverse * self.inverse
-        out = np.empty((*self.size.shape[:-1], 5 * k.points))
-        even = np.multiply(stress[..., 0, :], 0.5 * k.per_length / self.size, out=out[..., : k.points])
-        moment = stress[..., 1, :] * k.per_length
-        c = np.empty((*self.size.shape[:-1], 2 * k.points), dtype=complex)
-        mixed = np.multiply(-moment, square, out=c[..., k.points :])
-        c[..., : k.points] = -1j * even * self.size**2 * square - 2.0 * self.bend * mixed
-        out[..., k.points :] = c.view(float)
-        return out
+        """sigma . d2(strain) by dx and dy as e |dx|^2 / 2 - Re(c0* dx^2 / 2 + 2 c1* dx^2 + 2 c2* dx dy): parts of c0, c1, c2, then e [k, 7 g]."""
+        k, (back, size, gradients) = self.kernel, self._gradients
+        c = stress.take((0, 1, 1), axis=-2) * gradients
+        c *= back[..., None, :]
+        c = c.reshape(-1, 3 * k.points).view(float)
+        return np.concatenate((c, (stress[..., 0, :] * size).reshape(-1, k.points)), axis=-1)
 
     def stiffness(self, stress: Array, modulus: Array) -> Array:
         """B' diag(modulus) B + sigma . d2(strain) [..., n, 8, 8]."""
-        k = self.kernel
-        weighed = modulus.reshape(*modulus.shape[:-2], -1, 1) * self.matrix
-        out = np.swapaxes(self.matrix, -1, -2) @ weighed
-        out += (self._curve(stress).dot(k.pairs) * k.pair_scale).reshape(out.shape)
+        k, gradient = self.kernel, self.gradient
+        weighed = modulus.reshape(*modulus.shape[:-2], -1, 1) * gradient
+        out = np.swapaxes(gradient, -1, -2) @ weighed
+        curve = self._curve(stress).dot(k.pairs).reshape(*self.size.shape[:-1], 64)
+        curve *= k.pair_scale
+        out += curve.reshape(out.shape)
         return out
 
     def swirl(self, v: Array) -> Array:
@@ -159,8 +168,8 @@ class PlanarContinuumAt:
         stretch = (vx - unit * (unit.conj() * vx).real) * (k.per_length / self.size)
         square = self.inverse * self.inverse * k.per_length
         on_x, on_y = 1j * (2.0 * self.bend * square * vx - square * vy).conj(), -1j * (square * vx).conj()
-        rows = (stretch[..., None] * k.x_shape, on_x[..., None] * k.x_shape + on_y[..., None] * k.y_shape)
-        return np.ascontiguousarray(np.stack(rows, axis=-3)).view(float)
+        flat = np.stack((stretch, on_x, on_y), axis=-2).view(float).reshape(-1, 6 * k.points).dot(k.spread)
+        return flat.reshape(*self.size.shape[:-1], 2, k.points, 8) * k.scale[:, None, None, :]
 
     def swirl_times(self, v: Array, change: Array) -> Array:
         """d(B v)/dq dq [..., n, 2, g]."""

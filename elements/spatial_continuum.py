@@ -17,7 +17,6 @@ import numpy as np
 
 from mbd.affine import Array
 
-from .frozen import Frozen
 from .shapes import gauss, hermite_bend, hermite_slope
 
 
@@ -121,7 +120,7 @@ class SpatialContinuumAt:
         out[..., 1:, :] = np.swapaxes(bend - self.curvature * (along * self.twice)[..., None, :, :], -3, -2)
         return out
 
-    def _gradient(self) -> Array:
+    def _by_slopes(self) -> Array:
         """Strains by (x, y): [..., 4, 2, 3, n, g]."""
         k = self.kernel
         out = np.zeros((*self.square.shape[:-2], 4, 2, 3, k.items, k.points))
@@ -154,17 +153,13 @@ class SpatialContinuumAt:
         return out
 
     @cached_property
-    def matrix(self) -> Array:
+    def gradient(self) -> Array:
         """B [..., n, 4 g, 12]."""
-        k, gradient = self.kernel, self._gradient()[..., None, :, :]
-        by_shape = gradient[..., 0, :, :, :, :] * k.x_shape
-        by_shape[..., 1:, :, :, :, :] += gradient[..., 1:, 1, :, :, :, :] * k.y_shape
+        k, by_slopes = self.kernel, self._by_slopes()[..., None, :, :]
+        by_shape = by_slopes[..., 0, :, :, :, :] * k.x_shape
+        by_shape[..., 1:, :, :, :, :] += by_slopes[..., 1:, 1, :, :, :, :] * k.y_shape
         out = np.einsum("...cdang->...ncgda", by_shape)  # a view, and faster than moveaxis
         return out.reshape(*out.shape[:-4], 4 * k.points, 12)
-
-    def frozen(self) -> Frozen:
-        """B alone, for many products."""
-        return Frozen(self.kernel, self.matrix)
 
     def stiffness(self, stress: Array, modulus: Array) -> Array:
         """B' diag(modulus) B + sigma . d2(strain) [..., n, 12, 12]."""
@@ -172,8 +167,8 @@ class SpatialContinuumAt:
         h = np.einsum("...piqjng->...nijpqg", self._curve(stress))
         full = (h.reshape(*h.shape[:-3], 4 * k.points) @ k._pairs).reshape(*h.shape[:-3], 4, 4)
         full = full * (k.scale[:, :, None] * k.scale[:, None, :])[:, None, None]
-        weighed = modulus.reshape(*modulus.shape[:-2], -1, 1) * self.matrix
-        return np.swapaxes(full, -3, -2).reshape(*full.shape[:-4], 12, 12) + np.swapaxes(self.matrix, -1, -2) @ weighed
+        weighed = modulus.reshape(*modulus.shape[:-2], -1, 1) * self.gradient
+        return np.swapaxes(full, -3, -2).reshape(*full.shape[:-4], 12, 12) + np.swapaxes(self.gradient, -1, -2) @ weighed
 
     def swirl(self, v: Array) -> Array:
         """d(B v)/dq [..., n, 4, g, 12]: what damping adds to the tangent."""

@@ -162,6 +162,14 @@ class System:
         return Strains(self, q)
 
     @cached_property
+    def whole_gradient(self) -> Scatter:
+        """From the gradients of all items' strains to B' [n n_stresses]."""
+        numbers = np.arange(self.n_stresses)
+        spans = [numbers[span].reshape(len(kernel.dofs), -1, 1) for (span, _), kernel in zip(self.stress_places, self.measures)]
+        targets = [kernel.dofs[:, None, :] % self.n * self.n_stresses + span for span, kernel in zip(spans, self.measures)]
+        return Scatter(np.concatenate([target.ravel() for target in targets]), self.n * self.n_stresses)
+
+    @cached_property
     def steady_loads(self) -> list[Array]:
         """What kernels of loads that no function of time changes are given."""
         return [kernel.inputs(np.zeros(())) for kernel in self.loads]
