@@ -69,7 +69,7 @@ class Strains:
                 columns = np.moveaxis(viscosity[..., None] * part.swirl(v), -1, 0)
                 matrix = matrix + np.moveaxis(part.pull(columns), 0, -1)
             out.append(matrix.reshape(*matrix.shape[:-3], -1))
-        return np.concatenate(out, axis=-1)
+        return out[0] if len(out) == 1 else np.concatenate(out, axis=-1)
 
     def swirl_times(self, v: Array, change: Array) -> Array:
         """d(B v)/dq dq [..., n_stresses]."""

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .affine import Array
-from .constraint_set import Joints
+from .constraint_set import Joints, JointsAt
 from .model import Model, build
 from .scatter import Scatter
 from .strains import Strains
@@ -199,12 +199,15 @@ class System:
             total = total - at.pull(self.stress(at, v))
         return total
 
-    def stiffness(self, q: Array, v: Array, inputs: Inputs, stress: Array, multipliers: Array, *, strains: Strains | None = None) -> Array:
-        """Values of K on (stiffness_rows, stiffness_cols) at one configuration q [n]; ``strains`` are those at q, where they are at hand."""
+    def stiffness(
+        self, q: Array, v: Array, inputs: Inputs, stress: Array, multipliers: Array, *, strains: Strains | None = None, joints: JointsAt | None = None
+    ) -> Array:
+        """Values of K on (stiffness_rows, stiffness_cols) at one configuration q [n]; ``strains`` and ``joints`` are those at q, where they are
+        at hand."""
         parts = []
         if self.measures:
             parts.append((strains or self.strains(q)).stiffness(stress, self.modulus, None if self.viscosity is None else v))
-        parts.append(self.joints.at(q).curvature(multipliers))
+        parts.append((joints or self.joints.at(q)).curvature(multipliers))
         for i in self._moving_loads:
             kernel, values = self.loads[i], inputs.loads[i]
             local = kernel.gradient(q, v, values) if self._rated[i] else kernel.gradient(q, values)
