@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 from .affine import Array
 
+MANY = 1024
+"""Targets from which on a bincount for each vector takes no more time than one for all, whose index would be as large as the values."""
+
 
 class Scatter:
     """Adds local values [..., k] into vectors [..., size]; ``target`` [k] says where, repeated targets are summed."""
@@ -21,6 +24,11 @@ class Scatter:
     def __call__(self, local: Array) -> Array:
         batch = local.shape[:-1]
         count = math.prod(batch)
+        if self.target.size >= MANY and count > 1:
+            out = np.empty((count, self.size))
+            for total, row in zip(out, local.reshape(count, -1)):
+                total[:] = np.bincount(self.target, row, minlength=self.size)
+            return out.reshape(*batch, self.size)
         index = self._index.get(count)
         if index is None:
             if len(self._index) > 8:  # samples of results come in any number: keep only the batches that solvers repeat

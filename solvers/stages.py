@@ -122,9 +122,11 @@ class Linearised(Derivatives):
     def __init__(self, system: System, linear: Linear, table: Tableau | GaussLobatto, h: float, middle: Middle, inputs: Any):
         super().__init__(system, middle, inputs)
         self.linear, self.table, self.v = linear, table, middle.v
-        self.tangent: Tangent = linear.tangent(self.joints.gradient, self.stiffness, self.damping)
+        tangent = linear.tangent(self.joints.gradient, self.stiffness, self.damping)
         z = (table.eigenvalues / h).tolist()
-        factors = linear.factors(self.tangent, [x.real for x in z[: table.real]] + z[table.real :])
+        factors = linear.factors(tangent, [x.real for x in z[: table.real]] + z[table.real :])
+        del self.stiffness, self.damping  # the factors hold them
+        self._gradient: Tangent = tangent._replace(stiffness=None, damping=None)
         self.real_factor = factors[0]
         self._solves = [factor.raw for factor in factors]
         self._weight = factors[0].weight * linear.into
@@ -135,7 +137,7 @@ class Linearised(Derivatives):
     @cached_property
     def mass_factor(self) -> Factor | None:
         """The mass KKT matrix; None where G is constant, and then never asked for."""
-        return None if self.system.joints.linear else self.linear.factor(self.tangent)
+        return None if self.system.joints.linear else self.linear.factor(self._gradient)
 
     @property
     def end_factor(self) -> Factor | None:  # type: ignore[override]
