@@ -1,4 +1,4 @@
-"""Sums of local contributions into global vectors: one bincount for all items and all stages."""
+"""Sums of local contributions into global vectors: one bincount for all items, in small scenes for all stages as well."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .affine import Array
 
 MANY = 1024
-"""Targets from which on a bincount for each vector takes no more time than one for all, whose index would be as large as the values."""
+"""Targets from which on every vector has a bincount of its own: one for all saves a tenth of the time, and its index is as large as the values."""
 
 
 class Scatter:

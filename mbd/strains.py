@@ -19,7 +19,8 @@ SMALL = 2**13
 
 
 class Strains:
-    """All elastic measures at configurations [...]."""
+    """All elastic measures at configurations [...]. Those of each kernel have ``value``, ``gradient`` B [..., n, m, k], its products ``push`` and
+    ``pull``, ``stiffness``, ``swirl`` and ``swirl_times``, and ``energy``."""
 
     def __init__(self, system: System, q: Array):
         self.system = system

@@ -58,6 +58,22 @@ class RandomSystem:
         return linear, linear.factor(tangent, c_mass, c_damping, c_stiffness)
 
 
+@pytest.mark.parametrize("softened", [False, True])
+@pytest.mark.parametrize("name", FORMATS)
+def test_matrices_of_several_rates_solve_their_own_equations(monkeypatch, name, softened):
+    system, rates = RandomSystem(3), [60.0, 50.0 + 40.0j, 30.0 + 70.0j]
+    linear, _ = system.factor(monkeypatch, name)
+    if softened:
+        linear.soften()
+    factors = linear.factors(linear.tangent(system.g_values.ravel(), system.k_values, system.d_values), rates)
+    right = np.random.default_rng(5).normal(size=system.n + system.m)
+    for z, factor in zip(rates, factors):
+        np.testing.assert_array_equal(factor.weight, factors[0].weight)
+        x = np.concatenate(factor.solve(right[: system.n], right[system.n :]))
+        expected = np.linalg.solve(system.kkt(z * z, z, 1.0), right)
+        assert np.max(np.abs(x - expected)) < (1e-4 if softened else 1e-11) * np.max(np.abs(expected))
+
+
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("coefficients", [(1.0, 0.0, 0.0), (2e4, 150.0, 1.0), (3e3 + 4e3j, 50.0 + 60.0j, 1.0)])
 @pytest.mark.parametrize("name", FORMATS)
@@ -171,6 +187,15 @@ def test_reverse_cuthill_mckee_finds_a_shuffled_chain():
     assert np.array_equal(np.sort(order), np.arange(300))
     assert half_bandwidth(rows, cols, np.arange(300)) > 100
     assert half_bandwidth(rows, cols, order) == 1
+
+
+def test_a_pinned_beam_is_as_narrow_as_two_of_its_nodes():
+    scene = mbd.Scene(gravity=(0.0, -9.81))
+    rod = scene.add(mbd.AncfCable((0.0, 0.0), (1.0, 0.0), n_elements=12, E=1e7, A=1e-4, I=1e-9, rho=1000.0))
+    scene.add(mbd.Pin(rod.start, scene.ground.at(0.0, 0.0)))
+    system = scene.build()
+    # The eight coordinates of neighbouring nodes are all coupled: no order of theirs has less.
+    assert Linear(system, system.q0).format.half == 7
 
 
 def test_reverse_cuthill_mckee_on_separate_parts_and_none():
