@@ -13,16 +13,15 @@ Index = NDArray[np.intp]
 
 
 def reverse_cuthill_mckee(rows: Index, cols: Index, size: int) -> Index:
-    """The old number of each new unknown [size], for a symmetric pattern given by (rows, cols); the narrower of the orders from both ends."""
+    """The old number of each new unknown [size], for a symmetric pattern given by (rows, cols)."""
     neighbours = _adjacency(rows, cols, size)
     degree = [len(n) for n in neighbours]
-    there, back = _Sweep(neighbours, degree), _Sweep(neighbours, degree)
+    seen = [False] * size
+    order: list[int] = []
     for seed in sorted(range(size), key=degree.__getitem__):
-        if not there.seen[seed]:
-            there.add(_far(seed, neighbours, degree))
-            back.add(there.order[-1])
-    orders = [np.array(sweep.order[::-1], dtype=np.intp) for sweep in (there, back)]
-    return min(orders, key=lambda order: half_bandwidth(rows, cols, order))
+        if not seen[seed]:
+            order.extend(_breadth_first(_far(seed, neighbours, degree), neighbours, degree, seen))
+    return np.array(order[::-1], dtype=np.intp)
 
 
 def _adjacency(rows: Index, cols: Index, size: int) -> list[list[int]]:
@@ -50,25 +49,17 @@ def _far(seed: int, neighbours: list[list[int]], degree: list[int]) -> int:
     return seed
 
 
-class _Sweep:
-    """Vertices breadth first, one component after the other."""
-
-    def __init__(self, neighbours: list[list[int]], degree: list[int]):
-        self.neighbours, self.degree = neighbours, degree
-        self.seen, self.order = [False] * len(degree), list[int]()
-
-    def add(self, seed: int) -> None:
-        """The component of a vertex, from there on."""
-        position, order, seen = len(self.order), self.order, self.seen
-        order.append(seed)
-        seen[seed] = True
-        while position < len(order):
-            fresh = [other for other in self.neighbours[order[position]] if not seen[other]]
-            fresh.sort(key=self.degree.__getitem__)
-            for other in fresh:
-                seen[other] = True
-            order.extend(fresh)
-            position += 1
+def _breadth_first(seed: int, neighbours: list[list[int]], degree: list[int], seen: list[bool]) -> list[int]:
+    order, position = [seed], 0
+    seen[seed] = True
+    while position < len(order):
+        fresh = [other for other in neighbours[order[position]] if not seen[other]]
+        fresh.sort(key=degree.__getitem__)
+        for other in fresh:
+            seen[other] = True
+        order.extend(fresh)
+        position += 1
+    return order
 
 
 def half_bandwidth(rows: Index, cols: Index, order: Index) -> int:

@@ -189,15 +189,6 @@ def test_reverse_cuthill_mckee_finds_a_shuffled_chain():
     assert half_bandwidth(rows, cols, order) == 1
 
 
-def test_a_pinned_beam_is_as_narrow_as_two_of_its_nodes():
-    scene = mbd.Scene(gravity=(0.0, -9.81))
-    rod = scene.add(mbd.AncfCable((0.0, 0.0), (1.0, 0.0), n_elements=12, E=1e7, A=1e-4, I=1e-9, rho=1000.0))
-    scene.add(mbd.Pin(rod.start, scene.ground.at(0.0, 0.0)))
-    system = scene.build()
-    # The eight coordinates of neighbouring nodes are all coupled: no order of theirs has less.
-    assert Linear(system, system.q0).format.half == 7
-
-
 def test_reverse_cuthill_mckee_on_separate_parts_and_none():
     # Two chains and a loose vertex: each part is numbered on its own.
     rows, cols = np.array([0, 2, 1, 3]), np.array([2, 4, 3, 6])
