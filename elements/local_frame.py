@@ -12,6 +12,8 @@ Limits: |d| > 0; strains and curvatures small within one element; converges to E
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from mbd.affine import Array
@@ -71,9 +73,6 @@ class LocalFrameAt:
         k = self.kernel
         return (stress[..., None, :3] @ k.axial)[..., 0, :], (stress[..., None, 3:] @ k.bending)[..., 0, :]
 
-    def frozen(self) -> LocalFrameAt:
-        return self
-
     def pull(self, stress: Array) -> Array:
         """B' sigma [..., n, 8]; the term with the frame's rotation makes it a gradient."""
         on_u, on_w = self._nodal(stress)
@@ -97,7 +96,8 @@ class LocalFrameAt:
         turn = self.turn[..., None, :]
         return along + self.w[..., None] * turn, across - self.u[..., None] * turn
 
-    def _gradient(self) -> Array:
+    @cached_property
+    def gradient(self) -> Array:
         """B [..., n, 5, 8]."""
         du, dw = self._maps()
         return np.concatenate((self.kernel.axial @ du, self.kernel.bending @ dw), axis=-2)
@@ -116,7 +116,7 @@ class LocalFrameAt:
 
     def stiffness(self, stress: Array, modulus: Array) -> Array:
         """B' diag(modulus) B + sigma . d2(strain) [..., n, 8, 8]."""
-        b = self._gradient()
+        b = self.gradient
         return np.swapaxes(b, -1, -2) @ (modulus[..., :, None] * b) + self._curve(stress)
 
     def swirl(self, v: Array) -> Array:

@@ -24,9 +24,6 @@ class Measure:
     def curve(self, stress: Array) -> Array:
         raise NotImplementedError
 
-    def frozen(self) -> Measure:
-        return self
-
     def pull(self, stress: Array) -> Array:
         """B' sigma [..., n, k]."""
         return (stress[..., None, :] @ self.gradient)[..., 0, :]

@@ -5,8 +5,8 @@
 
 The curvature is d theta/ds, the rotation of the tangent by reference arc length s; x runs over [0, l] and ds = |r0'| dx. Primes are
 taken by xi = x/l here: the length cancels. Limit: |r'| > 0. One product of complex arrays takes the place of four real ones: of a
-short cable a call of NumPy costs more than its numbers. Derivatives are those of Re(a b*) = a . b and Im(c a b):
-gradient by a: i (c b)*, second derivative [[Im c, Re c], [Re c, -Im c]].
+short cable a call of NumPy costs more than its numbers. For the same reason slopes are kept as x = r'* and y = i r''*: with b = y / x the curvature
+is Re(b) / |r0'| - its rest value, and its gradients by r' and r'' are -b / (x |r0'|) and i / (x |r0'|), where i is left to constant matrices.
 Sources: Escalona, Hussien and Shabana (1998) for the element; Gerstmayr and Irschik (2008), J. Sound Vib. 318, for these strains.
 """
 
@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from mbd.affine import Array
 
-from .frozen import Frozen
 from .shapes import gauss, hermite_bend, hermite_slope
 
 Complex = NDArray[np.complex128]
@@ -41,26 +40,35 @@ class PlanarContinuum:
         self.scale = np.repeat(scale, 2, axis=1)
         self.pair_scale = (self.scale[:, :, None] * self.scale[:, None, :]).reshape(-1, 64)
         by_x, by_y = hermite_slope(xi), hermite_bend(xi)
-        self.by_x, self.by_y = (np.kron(by, np.eye(2)) for by in (by_x, by_y))
-        self.x_shape, self.y_shape = (by.T * scale[:, None, :] for by in (by_x, by_y))
-        alike, mixed = (np.einsum("ag,bg->gab", by_x, by) for by in (by_x, by_y))
-        bent, swapped, opposed = np.concatenate((alike, mixed + np.swapaxes(mixed, 1, 2))), np.array(((0, 1), (1, 0))), np.diag((1, -1))
-        by_parts = np.stack((np.kron(bent, swapped), np.kron(bent, opposed)), axis=1)  # of the real and the imaginary part of each c
-        self.pairs = np.concatenate((np.kron(alike, np.eye(2)).reshape(points, 64), by_parts.reshape(4 * points, 64)))
-        self.per_length, self.turn = np.ones((self.items, points)), np.zeros((self.items, points), dtype=complex)
+        self.by_x, self.by_y = np.kron(by_x, np.diag((1.0, -1.0))), np.kron(by_y, np.array(((0.0, 1.0), (1.0, 0.0))))
+        self._compile(by_x, by_y)
         at_rest = PlanarContinuumAt(self, np.swapaxes(rest, 1, 2).reshape(self.items, 8))
         rest_length = at_rest.size
-        self.per_length, self.turn = 1.0 / rest_length, 1j / rest_length
-        self.at_rest = np.stack((np.ones_like(rest_length), at_rest.bend.imag * self.per_length), axis=1)
+        self.per_length = 1.0 / rest_length
+        self.at_rest = np.stack((np.ones_like(rest_length), at_rest.bend.real * self.per_length), axis=1)
         arc = weight * rest_length
         self.modulus = np.stack((EA[:, None] * arc, EI[:, None] * arc), axis=1)
         self.viscosity = damping[:, None, None] * self.modulus
+
+    def _compile(self, by_x: Array, by_y: Array) -> None:
+        """What goes to nodal vectors by one product: ``x_to_nodes`` and ``y_to_nodes`` [2 g, 8] take forces on r' and, over i, on r'' at Gauss points
+        there, ``spread`` [6 g, 16 g] ``_gradients`` to B, ``pairs`` [7 g, 64] what ``_curve`` gives to matrices."""
+        g, here, plane, turn = self.points, np.eye(self.points), np.eye(2), np.array(((0.0, 1.0), (-1.0, 0.0)))
+        self.x_to_nodes, self.y_to_nodes = np.kron(by_x.T, plane), np.kron(by_y.T, turn)
+        on_x, on_y = (np.einsum("gh,ag,ij->gihaj", here, by, unit).reshape(2 * g, 8 * g) for by, unit in ((by_x, plane), (by_y, turn)))
+        none = np.zeros_like(on_x)
+        self.spread = np.block([[on_x, none], [none, on_x], [none, on_y]])
+        alike, mixed = (np.einsum("ag,bg->gab", by_x, by) for by in (by_x, by_y))
+        real, imaginary = np.diag((1.0, -1.0)), np.array(((0.0, 1.0), (1.0, 0.0)))  # of c, in Re(c* u w)
+        terms = ((-0.5 * alike, real, imaginary), (-2.0 * alike, real, imaginary), (-mixed - np.swapaxes(mixed, 1, 2), imaginary, -real))
+        by_parts = [np.stack([np.kron(shape, part) for part in parts], axis=1).reshape(2 * g, 64) for shape, *parts in terms]
+        self.pairs = np.concatenate((*by_parts, 0.5 * np.kron(alike, plane).reshape(g, 64)))
 
     def at(self, q: Array) -> PlanarContinuumAt:
         return PlanarContinuumAt(self, q.take(self.dofs, axis=-1))
 
     def slopes(self, nodal: Array) -> tuple[Complex, Complex]:
-        """dr/dxi and d2r/dxi2 [..., n, g] from nodal vectors [..., n, 8]; two arrays, as strided halves of one cost more."""
+        """x and y [..., n, g] from nodal vectors [..., n, 8]; two arrays, as strided halves of one cost more."""
         flat, shape = (nodal * self.scale).reshape(-1, 8), (*nodal.shape[:-1], self.points)
         return flat.dot(self.by_x).view(complex).reshape(shape), flat.dot(self.by_y).view(complex).reshape(shape)
 
@@ -70,13 +78,13 @@ class PlanarContinuum:
 
 
 class PlanarContinuumAt:
-    """The cables at configurations [...]: strains, and their first and second derivatives. x = dr/dxi, y = d2r/dxi2 [..., n, g]; bend = y / x."""
+    """The cables at configurations [...]: strains, and their first and second derivatives. size = |x|, inverse = 1 / x, bend = y / x [..., n, g]."""
 
     def __init__(self, kernel: PlanarContinuum, nodal: Array):
         self.kernel = kernel
-        self.x, y = kernel.slopes(nodal)
-        self.size = np.abs(self.x)
-        self.inverse = 1.0 / self.x
+        x, y = kernel.slopes(nodal)
+        self.size = np.abs(x)
+        self.inverse = 1.0 / x
         self.bend = y * self.inverse
 
     @property
@@ -85,82 +93,77 @@ class PlanarContinuumAt:
         k = self.kernel
         out = np.empty((*self.size.shape[:-1], 2, k.points))
         np.multiply(self.size, k.per_length, out=out[..., 0, :])
-        np.multiply(self.bend.imag, k.per_length, out=out[..., 1, :])
+        np.multiply(self.bend.real, k.per_length, out=out[..., 1, :])
         out -= k.at_rest
         return out
-
-    @property
-    def stretching(self) -> Complex:
-        """The stretch by x [..., n, g]."""
-        return self.x * (self.kernel.per_length / self.size)
-
-    @property
-    def bending(self) -> Complex:
-        """The curvature by y [..., n, g]; by x it is -bend* times that."""
-        return self.inverse.conj() * self.kernel.turn
 
     def pull(self, stress: Array) -> Array:
         """B' sigma [..., n, 8] from sigma [..., n, 2, g]."""
         k = self.kernel
-        on_y = stress[..., 1, :] * self.bending
-        on_x = (stress[..., 0, :] * (k.per_length / self.size)) * self.x
-        on_x -= self.bend.conj() * on_y
-        local = k.real(on_x).dot(k.by_x.T)
-        local += k.real(on_y).dot(k.by_y.T)
-        return local.reshape(*on_x.shape[:-1], 8) * k.scale
+        on_y = stress[..., 1, :] * k.per_length * self.inverse
+        on_x = stress[..., 0, :] * (k.per_length * self.size) * self.inverse
+        on_x -= self.bend * on_y
+        local = k.real(on_x).dot(k.x_to_nodes)
+        local += k.real(on_y).dot(k.y_to_nodes)
+        out: Array = local.reshape(*on_x.shape[:-1], 8)
+        out *= k.scale
+        return out
 
     def push(self, change: Array) -> Array:
         """B dq [..., n, 2, g] from dq [..., n_coordinates]."""
         k = self.kernel
         dx, dy = k.slopes(change.take(k.dofs, axis=-1))
-        stretch = (self.stretching.conj() * dx).real
-        return np.stack((stretch, (self.bending.conj() * (dy - self.bend * dx)).real), axis=-2)
+        stretch = self.inverse * dx
+        bend = self.inverse * dy - self.bend * stretch
+        return np.stack((stretch.real * (k.per_length * self.size), bend.real * k.per_length), axis=-2)
 
     @cached_property
-    def matrix(self) -> Array:
+    def _gradients(self) -> Complex:
+        """Of the stretch by r', of the curvature by r' and, over i, by r'' [..., n, 3, g]."""
+        k = self.kernel
+        out = np.empty((*self.size.shape[:-1], 3, k.points), dtype=complex)
+        np.multiply(self.inverse, k.per_length * self.size, out=out[..., 0, :])
+        by_y = np.multiply(self.inverse, k.per_length, out=out[..., 2, :])
+        np.multiply(self.bend, -by_y, out=out[..., 1, :])
+        return out
+
+    @cached_property
+    def gradient(self) -> Array:
         """B [..., n, 2 g, 8]."""
         k = self.kernel
-        out, bending = np.empty((*self.size.shape[:-1], 2, k.points, 4), dtype=complex), self.bending
-        np.multiply(self.stretching[..., None], k.x_shape, out=out[..., 0, :, :])
-        np.multiply((-self.bend.conj() * bending)[..., None], k.x_shape, out=out[..., 1, :, :])
-        out[..., 1, :, :] += bending[..., None] * k.y_shape
-        return out.view(float).reshape(*self.size.shape[:-1], 2 * k.points, 8)
-
-    def frozen(self) -> Frozen:
-        """B alone, for many products."""
-        return Frozen(self.kernel, self.matrix)
+        flat = self._gradients.view(float).reshape(-1, 6 * k.points).dot(k.spread)
+        out: Array = flat.reshape(*self.size.shape[:-1], 2 * k.points, 8)
+        out *= k.scale[:, None, :]
+        return out
 
     def _curve(self, stress: Array) -> Array:
-        """sigma . d2(strain) as |dx|^2 e + Im(c_xx dx^2 + 2 c_xy dx dy): e, then real and imaginary parts of c_xx and c_xy [..., n, 5 g]."""
+        """sigma . d2(strain) by changes u of r' and w of r'': e |u|^2 / 2 - Re(c0* u^2 / 2 + 2 c1* u^2 - 2 i c2* u w), as parts of c0, c1, c2,
+        then e [k, 7 g]."""
         k = self.kernel
-        square = self.inverse * self.inverse
-        out = np.empty((*self.size.shape[:-1], 5 * k.points))
-        even = np.multiply(stress[..., 0, :], 0.5 * k.per_length / self.size, out=out[..., : k.points])
-        moment = stress[..., 1, :] * k.per_length
-        c = np.empty((*self.size.shape[:-1], 2 * k.points), dtype=complex)
-        mixed = np.multiply(-moment, square, out=c[..., k.points :])
-        c[..., : k.points] = -1j * even * self.size**2 * square - 2.0 * self.bend * mixed
-        out[..., k.points :] = c.view(float)
-        return out
+        c = stress.take((0, 1, 1), axis=-2) * self._gradients
+        c *= self.inverse[..., None, :]
+        even = stress[..., 0, :] * (k.per_length / self.size)
+        return np.concatenate((c.reshape(-1, 3 * k.points).view(float), even.reshape(-1, k.points)), axis=-1)
 
     def stiffness(self, stress: Array, modulus: Array) -> Array:
         """B' diag(modulus) B + sigma . d2(strain) [..., n, 8, 8]."""
-        k = self.kernel
-        weighed = modulus.reshape(*modulus.shape[:-2], -1, 1) * self.matrix
-        out = np.swapaxes(self.matrix, -1, -2) @ weighed
-        out += (self._curve(stress).dot(k.pairs) * k.pair_scale).reshape(out.shape)
+        k, gradient = self.kernel, self.gradient
+        weighed = modulus.reshape(*modulus.shape[:-2], -1, 1) * gradient
+        out = np.swapaxes(gradient, -1, -2) @ weighed
+        curve = self._curve(stress).dot(k.pairs).reshape(*self.size.shape[:-1], 64)
+        curve *= k.pair_scale
+        out += curve.reshape(out.shape)
         return out
 
     def swirl(self, v: Array) -> Array:
         """d(B v)/dq [..., n, 2, g, 8]: what damping adds to the tangent."""
         k = self.kernel
         vx, vy = k.slopes(v.take(k.dofs, axis=-1))
-        unit = self.x / self.size
-        stretch = (vx - unit * (unit.conj() * vx).real) * (k.per_length / self.size)
-        square = self.inverse * self.inverse * k.per_length
-        on_x, on_y = 1j * (2.0 * self.bend * square * vx - square * vy).conj(), -1j * (square * vx).conj()
-        rows = (stretch[..., None] * k.x_shape, on_x[..., None] * k.x_shape + on_y[..., None] * k.y_shape)
-        return np.ascontiguousarray(np.stack(rows, axis=-3)).view(float)
+        unit, square = self.inverse * self.size, self.inverse * self.inverse * k.per_length
+        stretch = (vx.conj() - unit * (unit * vx).real) * (k.per_length / self.size)
+        on_x, on_y = square * (2.0 * self.bend * vx - vy), -square * vx
+        flat = np.stack((stretch, on_x, on_y), axis=-2).view(float).reshape(-1, 6 * k.points).dot(k.spread)
+        return flat.reshape(*self.size.shape[:-1], 2, k.points, 8) * k.scale[:, None, None, :]
 
     def swirl_times(self, v: Array, change: Array) -> Array:
         """d(B v)/dq dq [..., n, 2, g]."""

@@ -17,7 +17,6 @@ import numpy as np
 
 from mbd.affine import Array
 
-from .frozen import Frozen
 from .shapes import gauss, hermite_bend, hermite_slope
 
 
@@ -121,50 +120,46 @@ class SpatialContinuumAt:
         out[..., 1:, :] = np.swapaxes(bend - self.curvature * (along * self.twice)[..., None, :, :], -3, -2)
         return out
 
-    def _gradient(self) -> Array:
+    def _by_slopes(self) -> Array:
         """Strains by (x, y): [..., 4, 2, 3, n, g]."""
         k = self.kernel
         out = np.zeros((*self.square.shape[:-2], 4, 2, 3, k.items, k.points))
-        out[..., 0, 0, :, :, :] = self.x * self.along[..., None, :, :]
-        for c in range(3):
-            s = np.zeros((*self.square.shape[:-2], 3, k.items, k.points))
-            s[..., c, :, :] = self.per
-            bend = self.curvature[..., c : c + 1, :, :] / self.square[..., None, :, :]
-            out[..., 1 + c, 0, :, :, :] = _cross(self.y, s) - 2.0 * bend * self.x
-            out[..., 1 + c, 1, :, :, :] = -_cross(self.x, s)
+        np.multiply(self.x, self.along[..., None, :, :], out=out[..., 0, 0, :, :, :])
+        turned = np.stack((self.y, -self.x), axis=-4) * self.per[..., None, None, :, :]
+        for i, j, c in CYCLES:
+            out[..., 1 + i, :, j, :, :] = turned[..., c, :, :]
+            np.negative(turned[..., c, :, :], out=out[..., 1 + j, :, i, :, :])
+        bend = self.curvature * self.twice[..., None, :, :]
+        out[..., 1:, 0, :, :, :] -= bend[..., :, None, :, :] * self.x[..., None, :, :, :]
         return out
 
     def _curve(self, stress: Array) -> Array:
         """sigma . d2(strain) by (x, y): [..., 2, 3, 2, 3, n, g]."""
-        x, wide = self.x, self.square[..., None, None, :, :]
+        k, x = self.kernel, self.x
         moment = np.swapaxes(stress[..., 1:, :], -3, -2)
         s = moment * self.per[..., None, :, :]
-        turned, swept = _cross(self.y, s), -_cross(x, s)
-        xx, eye = x[..., :, None, :, :] * x[..., None, :, :, :], np.eye(3)[:, :, None, None]
-        mixed = turned[..., :, None, :, :] * x[..., None, :, :, :]
-        work = self._work(moment)[..., None, None, :, :] / wide
-        axial = (stress[..., 0, :] * self.along)[..., None, None, :, :]
-        out = np.zeros((*mixed.shape[:-4], 2, 3, 2, 3, *mixed.shape[-2:]))
-        out[..., 0, :, 0, :, :, :] = (
-            (axial - 2.0 * work) * eye + (8.0 * work - axial) * (xx / wide) - 2.0 * (mixed + np.swapaxes(mixed, -4, -3)) / wide
-        )
-        cross = _skew(s) - 2.0 * x[..., :, None, :, :] * swept[..., None, :, :, :] / wide
+        swept = _cross(s, x) * self.twice[..., None, :, :]
+        work, axial = self._work(moment) * self.twice, stress[..., 0, :] * self.along
+        half = ((work - 0.25 * axial) * self.twice)[..., None, :, :] * x - _cross(self.y, s) * self.twice[..., None, :, :]
+        half = x[..., :, None, :, :] * half[..., None, :, :, :]
+        blocks = np.zeros((*axial.shape[:-1], 3, 3, 2, 2, k.points))  # as products with the shapes of nodes take them
+        out = np.einsum("...nijpqg->...piqjng", blocks)
+        np.add(half, np.swapaxes(half, -4, -3), out=out[..., 0, :, 0, :, :, :])
+        for i in range(3):
+            out[..., 0, i, 0, i, :, :] += axial - work
+        cross = _skew(s) - x[..., :, None, :, :] * swept[..., None, :, :, :]
         out[..., 0, :, 1, :, :, :] = cross
         out[..., 1, :, 0, :, :, :] = np.swapaxes(cross, -4, -3)
         return out
 
     @cached_property
-    def matrix(self) -> Array:
+    def gradient(self) -> Array:
         """B [..., n, 4 g, 12]."""
-        k, gradient = self.kernel, self._gradient()[..., None, :, :]
-        by_shape = gradient[..., 0, :, :, :, :] * k.x_shape
-        by_shape[..., 1:, :, :, :, :] += gradient[..., 1:, 1, :, :, :, :] * k.y_shape
+        k, by_slopes = self.kernel, self._by_slopes()[..., None, :, :]
+        by_shape = by_slopes[..., 0, :, :, :, :] * k.x_shape
+        by_shape[..., 1:, :, :, :, :] += by_slopes[..., 1:, 1, :, :, :, :] * k.y_shape
         out = np.einsum("...cdang->...ncgda", by_shape)  # a view, and faster than moveaxis
         return out.reshape(*out.shape[:-4], 4 * k.points, 12)
-
-    def frozen(self) -> Frozen:
-        """B alone, for many products."""
-        return Frozen(self.kernel, self.matrix)
 
     def stiffness(self, stress: Array, modulus: Array) -> Array:
         """B' diag(modulus) B + sigma . d2(strain) [..., n, 12, 12]."""
@@ -172,8 +167,8 @@ class SpatialContinuumAt:
         h = np.einsum("...piqjng->...nijpqg", self._curve(stress))
         full = (h.reshape(*h.shape[:-3], 4 * k.points) @ k._pairs).reshape(*h.shape[:-3], 4, 4)
         full = full * (k.scale[:, :, None] * k.scale[:, None, :])[:, None, None]
-        weighed = modulus.reshape(*modulus.shape[:-2], -1, 1) * self.matrix
-        return np.swapaxes(full, -3, -2).reshape(*full.shape[:-4], 12, 12) + np.swapaxes(self.matrix, -1, -2) @ weighed
+        weighed = modulus.reshape(*modulus.shape[:-2], -1, 1) * self.gradient
+        return np.swapaxes(full, -3, -2).reshape(*full.shape[:-4], 12, 12) + np.swapaxes(self.gradient, -1, -2) @ weighed
 
     def swirl(self, v: Array) -> Array:
         """d(B v)/dq [..., n, 4, g, 12]: what damping adds to the tangent."""

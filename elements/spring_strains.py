@@ -40,8 +40,10 @@ class StretchAt:
     def value(self) -> Array:
         return self.distance - self.kernel.length[:, None]
 
-    def frozen(self) -> StretchAt:
-        return self
+    @property
+    def gradient(self) -> Array:
+        """B [..., n, 1, k]."""
+        return self.unit[..., None, :] @ self.kernel.maps.matrix
 
     def pull(self, stress: Array) -> Array:
         return self.kernel.maps.pull(stress * self.unit)
@@ -114,8 +116,10 @@ class LinearAt:
     def __init__(self, kernel: Offset | Twist, value: Array, maps: Maps | _Coordinates):
         self.kernel, self.value, self.maps = kernel, value, maps
 
-    def frozen(self) -> LinearAt:
-        return self
+    @property
+    def gradient(self) -> Array:
+        """B [n, m, k]."""
+        return self.maps.matrix
 
     def pull(self, stress: Array) -> Array:
         return self.maps.pull(stress)

@@ -142,8 +142,10 @@ class StopDampersAt:
     def __init__(self, dofs: NDArray[np.intp], value: Array, slope: Array, bend: Array):
         self.dofs, self.value, self.slope, self.bend = dofs, value, slope, bend
 
-    def frozen(self) -> StopDampersAt:
-        return self
+    @property
+    def gradient(self) -> Array:
+        """B [..., n, 1, 1]."""
+        return self.slope[..., None]
 
     def pull(self, stress: Array) -> Array:
         return self.slope * stress

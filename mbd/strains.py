@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .affine import Array
+from .slopes import Frozen, Slopes
 
 if TYPE_CHECKING:
     from .system import System
@@ -17,23 +18,9 @@ SMALL = 2**13
 """Entries of B up to which one product with all of it takes less time than those of each element."""
 
 
-class Slopes:
-    """B of all measures at one configuration, as one matrix."""
-
-    def __init__(self, transpose: Array):
-        self.matrix, self.transpose = transpose.T, transpose
-
-    def pull(self, stress: Array) -> Array:
-        """B' sigma [..., n]."""
-        return stress.dot(self.matrix)
-
-    def push(self, change: Array) -> Array:
-        """B dq [..., n_stresses]."""
-        return change.dot(self.transpose)
-
-
 class Strains:
-    """All elastic measures at configurations [...]."""
+    """All elastic measures at configurations [...]. Those of each kernel have ``value``, ``gradient`` B [..., n, m, k], its products ``push`` and
+    ``pull``, ``stiffness``, ``swirl`` and ``swirl_times``, and ``energy``."""
 
     def __init__(self, system: System, q: Array):
         self.system = system
@@ -64,10 +51,12 @@ class Strains:
 
     def frozen(self) -> Strains | Slopes:
         """These strains for many products with B: ``push`` and ``pull`` only."""
-        if self.system.n * self.system.n_stresses <= SMALL:
-            return Slopes(self.push(np.eye(self.system.n)))
+        system, gradients = self.system, [part.gradient for part in self.parts]
+        if system.n * system.n_stresses <= SMALL:
+            entries = gradients[0].ravel() if len(gradients) == 1 else np.concatenate([gradient.ravel() for gradient in gradients])
+            return Slopes(system.whole_gradient(entries).reshape(system.n, system.n_stresses))
         other = copy(self)
-        other.parts = [part.frozen() for part in self.parts]
+        other.parts = [Frozen(kernel, gradient) for kernel, gradient in zip(system.measures, gradients)]
         return other
 
     def stiffness(self, stress: Array, modulus: Array, v: Array | None) -> Array:
@@ -81,7 +70,7 @@ class Strains:
                 columns = np.moveaxis(viscosity[..., None] * part.swirl(v), -1, 0)
                 matrix = matrix + np.moveaxis(part.pull(columns), 0, -1)
             out.append(matrix.reshape(*matrix.shape[:-3], -1))
-        return np.concatenate(out, axis=-1)
+        return out[0] if len(out) == 1 else np.concatenate(out, axis=-1)
 
     def swirl_times(self, v: Array, change: Array) -> Array:
         """d(B v)/dq dq [..., n_stresses]."""

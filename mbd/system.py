@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .affine import Array
-from .constraint_set import Joints
+from .constraint_set import Joints, JointsAt
 from .model import Model, build
 from .scatter import Scatter
 from .strains import Strains
@@ -173,6 +173,14 @@ class System:
         return Strains(self, q)
 
     @cached_property
+    def whole_gradient(self) -> Scatter:
+        """From the gradients of all items' strains to B' [n n_stresses]."""
+        numbers = np.arange(self.n_stresses)
+        spans = [numbers[span].reshape(len(kernel.dofs), -1, 1) for (span, _), kernel in zip(self.stress_places, self.measures)]
+        targets = [kernel.dofs[:, None, :] % self.n * self.n_stresses + span for span, kernel in zip(spans, self.measures)]
+        return Scatter(np.concatenate([target.ravel() for target in targets]), self.n * self.n_stresses)
+
+    @cached_property
     def steady_loads(self) -> list[Array]:
         """What kernels of loads that no function of time changes are given."""
         return [kernel.inputs(np.zeros(())) for kernel in self.loads]
@@ -212,12 +220,15 @@ class System:
             total = total - at.pull(self.stress(at, v))
         return total
 
-    def stiffness(self, q: Array, v: Array, inputs: Inputs, stress: Array, multipliers: Array, *, strains: Strains | None = None) -> Array:
-        """Values of K on (stiffness_rows, stiffness_cols) at one configuration q [n]; ``strains`` are those at q, where they are at hand."""
+    def stiffness(
+        self, q: Array, v: Array, inputs: Inputs, stress: Array, multipliers: Array, *, strains: Strains | None = None, joints: JointsAt | None = None
+    ) -> Array:
+        """Values of K on (stiffness_rows, stiffness_cols) at one configuration q [n]; ``strains`` and ``joints`` are those at q, where they are
+        at hand."""
         parts = []
         if self.measures:
             parts.append((strains or self.strains(q)).stiffness(stress, self.modulus, None if self.viscosity is None else v))
-        parts.append(self.joints.at(q).curvature(multipliers))
+        parts.append((joints or self.joints.at(q)).curvature(multipliers))
         for i in self._moving_loads:
             kernel, values = self.loads[i], inputs.loads[i]
             local = kernel.gradient(q, v, values) if self._rated[i] else kernel.gradient(q, values)

@@ -37,7 +37,12 @@ class Format(Protocol):
         """The solver for right sides [size] or [size, k], which it may overwrite; raises Singular on a zero pivot."""
 
     def norm(self, buffer: NDArray) -> float:
-        """The largest column sum of magnitudes (of a complex entry: of its parts)."""
+        """The largest column sum of magnitudes."""
+
+
+def _norm(columns: NDArray) -> float:
+    lange = lapack.zlange if np.iscomplexobj(columns) else lapack.dlange
+    return float(lange("1", columns))
 
 
 def _check(info: int) -> None:
@@ -64,7 +69,7 @@ class Dense:
         return lambda b: getrs(lu, pivots, b, overwrite_b=1)[0] if b.ndim == 1 else np.stack([getrs(lu, pivots, column)[0] for column in b.T], axis=1)
 
     def norm(self, buffer: NDArray) -> float:
-        return float(np.abs(buffer.view(float).reshape(self.size, -1)).sum(axis=1).max())
+        return _norm(buffer.reshape(self.size, self.size).T)
 
 
 class Band:
@@ -87,7 +92,7 @@ class Band:
         return lambda b: gbtrs(lu, k, k, b, pivots, overwrite_b=1)[0]
 
     def norm(self, buffer: NDArray) -> float:
-        return float(np.abs(buffer.view(float).reshape(self.size, -1)).sum(axis=1).max())
+        return _norm(buffer.reshape(self.size, self.height).T)
 
 
 class Sparse:

@@ -11,8 +11,9 @@ Newton's iterations and ``refined`` remove its trace from the solution.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property, partial
+from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -51,7 +52,8 @@ class Tangent(NamedTuple):
 
 
 class Linear:
-    """Patterns, scales and the format of a system's KKT matrices, prepared once.
+    """Patterns, scales and the format of a system's KKT matrices, prepared once. ``order`` [n + m] lists unknowns as the format has them, ``place``
+    says where each went, ``below`` which are multipliers.
 
     ``reach`` [m] turns a residual of an equation into a length: how far its most effective coordinate would have to move. ``origin`` [n] is
     a configuration on the joints; who corrects the one given here says so. ``constant_factor`` is kept where G never changes. ``coarsest`` is the
@@ -71,10 +73,12 @@ class Linear:
         self.order = order if self.format.name == "band" else np.arange(self.size)
         self.place = np.argsort(self.order)
         self._entries = partial(_entries, system)
-        self._below = self.order >= n
+        self.below = self.order >= n
         self._together = np.concatenate((system.vectors, n + np.arange(m)))[self.order]
         self.scale = self._scales(system, q)
         self.into = self.scale[self.order]
+        k = np.arange(self.size)
+        self._rising = (1.0 - 2.0 * (k % 2)) * (1.0 + k / max(self.size - 1, 1))
         self.softened = False
         self.factorizations = 0
         self.constant_factor: Factor | None = None
@@ -141,20 +145,35 @@ class Linear:
         self, tangent: Tangent, c_mass: complex = 1.0, c_damping: complex = 0.0, c_stiffness: float = 0.0, *, least: float = SINGULAR
     ) -> Factor:
         """The factorised KKT matrix; raises Singular unless its reciprocal condition is above ``least``; 0: it is not estimated."""
-
-        def filled() -> tuple[NDArray, float]:
-            buffer = c_mass * self.mass
-            buffer += size * tangent.gradient
-            if c_stiffness and tangent.stiffness is not None:
-                buffer += c_stiffness * tangent.stiffness
-            if c_damping and tangent.damping is not None:
-                buffer += c_damping * tangent.damping
-            if self.softened:
-                buffer[self._corner] -= SOFTENING * size
-            return buffer, size
-
         size = abs(c_mass)
-        return self.factorised(filled, least)
+        rest = self._without_rates(tangent, size, c_stiffness)
+        return self.factorised(lambda: (self._filled(tangent, rest, c_mass, c_damping), size), least)
+
+    def factors(self, tangent: Tangent, rates: Sequence[complex]) -> list[Factor]:
+        """The factorised matrices of z^2 M + z D + K for rates z of about one size, that of the first being the ``weight`` of all. Only its
+        condition is estimated: where it is regular so are the others, of a symmetric K none of its vibrations or instabilities has a rate off
+        both axes. Raises Singular."""
+        size = abs(rates[0]) ** 2
+        rest = self._without_rates(tangent, size, 1.0)
+        fills = [partial(self._filled, tangent, rest, z * z, z) for z in rates]
+        return [self.factorised(lambda fill=fill: (fill(), size), 0.0 if k else SINGULAR) for k, fill in enumerate(fills)]  # type: ignore[misc]
+
+    def _without_rates(self, tangent: Tangent, size: float, c_stiffness: float) -> Array:
+        """The part of the matrix that has neither M nor D, for multipliers in units of a size."""
+        rest = size * tangent.gradient
+        if c_stiffness and tangent.stiffness is not None:
+            rest += c_stiffness * tangent.stiffness
+        if self.softened:
+            rest[self._corner] -= SOFTENING * size
+        return rest
+
+    def _filled(self, tangent: Tangent, rest: Array, c_mass: complex, c_damping: complex) -> NDArray:
+        buffer: NDArray = c_mass * self.mass
+        real = buffer.real  # of a complex buffer a view: adding to it takes half the time
+        real += rest
+        if c_damping and tangent.damping is not None:
+            buffer += c_damping * tangent.damping
+        return buffer
 
     def factorised(self, filled: Callable[[], tuple[NDArray, float]], least: float) -> Factor:
         """A buffer, which ``filled`` gives anew, with its size, whenever it is called, factorised; raises Singular unless its reciprocal
@@ -168,7 +187,7 @@ class Linear:
         solve = self.format.factor(buffer)
         if not least:
             return Factor(self, solve, size, np.nan)
-        rcond = _reciprocal_condition(self.size, norm, solve)
+        rcond = self._reciprocal_condition(norm, solve)
         if not rcond > least and not self._fair_condition(filled()[0], solve) > FAIR:
             raise Singular(f"reciprocal condition {rcond:.1e}")
         return Factor(self, solve, size, rcond)
@@ -181,7 +200,13 @@ class Linear:
         if units is None:
             return 0.0
         norm = float(np.max(np.bincount(cols, units[rows] * sizes * units[cols])))
-        return _reciprocal_condition(self.size, norm, lambda right: solve(right / units) / units)
+        return self._reciprocal_condition(norm, lambda right: solve(right / units) / units)
+
+    def _reciprocal_condition(self, norm: float, solve: Solve) -> float:
+        """1 / (|A| |A^-1|) in the 1-norm, with |A^-1| estimated from below by the growth of one vector of alternating signs and rising
+        size (Higham 1988, ACM Trans. Math. Softw. 14, algorithm 4.1, the safeguard): singular matrices show in it whatever their kernel."""
+        growth = float(np.abs(solve(self._rising.copy())).sum()) / (1.5 * self.size)
+        return 1.0 / (norm * growth) if norm * growth > 0.0 and isfinite(growth) else 0.0
 
     @cached_property
     def pattern(self) -> tuple[Index, Index, Index]:
@@ -204,10 +229,6 @@ class Linear:
         """Without the factor that is kept: it is found again where it is asked for."""
         return vars(self) | {"constant_factor": None}
 
-    def weight(self, size: float) -> Array:
-        """[size]: what scaled, ordered unknowns are multiplied by before and after a factor with |c_mass| = size."""
-        return np.where(self._below, size, 1.0)
-
     def soften(self) -> None:
         """From now on, redundant equations are allowed."""
         self.softened, self.constant_factor = True, None
@@ -217,8 +238,12 @@ class Factor:
     """A factorised KKT matrix."""
 
     def __init__(self, linear: Linear, solve: Solve, size: float, rcond: float):
-        self.linear, self.raw, self.rcond = linear, solve, rcond
-        self.weight = linear.weight(size)
+        self.linear, self.raw, self.size, self.rcond = linear, solve, size, rcond
+
+    @cached_property
+    def weight(self) -> Array:
+        """[size]: what scaled, ordered unknowns are multiplied by before and after: multipliers are in units of |c_mass|."""
+        return np.where(self.linear.below, self.size, 1.0)
 
     def solve(self, top: Array, bottom: Array) -> tuple[Array, Array]:
         """x [..., n], y [..., m] from right sides top [..., n], bottom [..., m]."""
@@ -245,11 +270,3 @@ def _entries(system: System) -> tuple[Index, Index]:
         np.concatenate((system.mass_rows, system.stiffness_rows, system.damping_rows, top, left, corner, rolling)),
         np.concatenate((system.mass_cols, system.stiffness_cols, system.damping_cols, left, top, corner, rolling)),
     )
-
-
-def _reciprocal_condition(size: int, norm: float, solve: Solve) -> float:
-    """1 / (|A| |A^-1|) in the 1-norm, with |A^-1| estimated from below by the growth of one vector of alternating signs and rising
-    size (Higham 1988, ACM Trans. Math. Softw. 14, algorithm 4.1, the safeguard): singular matrices show in it whatever their kernel."""
-    k = np.arange(size)
-    growth = float(np.abs(solve((1.0 - 2.0 * (k % 2)) * (1.0 + k / max(size - 1, 1)))).sum()) / (1.5 * size)
-    return 1.0 / (norm * growth) if norm * growth > 0.0 and np.isfinite(growth) else 0.0

@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .coefficients import GaussLobatto, Tableau
-from .linear import SINGULAR, Factor, Linear, Tangent
+from .linear import Factor, Linear, Tangent
 from .system import Array, System, targets
 
 
@@ -60,7 +60,7 @@ class Middle(NamedTuple):
 
 
 class Derivatives:
-    """Derivatives of strains and loads at the middle of a step, and of the joints wherever a subclass takes them."""
+    """Derivatives at the middle of a step; those of the joints are its own where a subclass takes no others."""
 
     joints: Any
     v: Array
@@ -71,7 +71,8 @@ class Derivatives:
     def __init__(self, system: System, middle: Middle, inputs: Any):
         self.system = system
         strains = system.strains(middle.q) if system.n_stresses else None
-        self.stiffness = system.stiffness(middle.q, middle.v, inputs, middle.stress, middle.multipliers, strains=strains)
+        self.joints = joints = system.joints.at(middle.q)
+        self.stiffness = system.stiffness(middle.q, middle.v, inputs, middle.stress, middle.multipliers, strains=strains, joints=joints)
         self.strains = strains if strains is None or system.viscosity is not None else strains.frozen()
         self.damping = system.damping(middle.q, middle.v, inputs) if system.damped else None
 
@@ -121,16 +122,14 @@ class Linearised(Derivatives):
     def __init__(self, system: System, linear: Linear, table: Tableau | GaussLobatto, h: float, middle: Middle, inputs: Any):
         super().__init__(system, middle, inputs)
         self.linear, self.table, self.v = linear, table, middle.v
-        self.joints = system.joints.at(middle.q)
-        self.tangent: Tangent = linear.tangent(self.joints.gradient, self.stiffness, self.damping)
-        z = table.eigenvalues / h
-        # Where the first is regular so are the others: of a symmetric K none of its vibrations or instabilities has a rate z off both axes.
-        rates = (*z[: table.real].real, *z[table.real :])
-        factors = [linear.factor(self.tangent, x * x, x, 1.0, least=0.0 if k else SINGULAR) for k, x in enumerate(rates)]
+        tangent = linear.tangent(self.joints.gradient, self.stiffness, self.damping)
+        z = (table.eigenvalues / h).tolist()
+        factors = linear.factors(tangent, [x.real for x in z[: table.real]] + z[table.real :])
+        del self.stiffness, self.damping  # the factors hold them
+        self._gradient: Tangent = tangent._replace(stiffness=None, damping=None)
         self.real_factor = factors[0]
         self._solves = [factor.raw for factor in factors]
-        parts = [factor.weight for k, factor in enumerate(factors) for _ in range(1 if k < table.real else 2)]
-        self._weight = np.array(parts) * linear.into
+        self._weight = factors[0].weight * linear.into
 
     def gathered(self, force: Array) -> Array:
         return self.table.gather @ force if isinstance(self.table, GaussLobatto) else force
@@ -138,7 +137,7 @@ class Linearised(Derivatives):
     @cached_property
     def mass_factor(self) -> Factor | None:
         """The mass KKT matrix; None where G is constant, and then never asked for."""
-        return None if self.system.joints.linear else self.linear.factor(self.tangent)
+        return None if self.system.joints.linear else self.linear.factor(self._gradient)
 
     @property
     def end_factor(self) -> Factor | None:  # type: ignore[override]

@@ -10,6 +10,9 @@ import mbd.system as system_module
 from mbd.affine import Affine, Scalar
 from mbd.constraint import Quadratic
 from mbd.rows import Row, distance
+from mbd.scatter import MANY, Scatter
+
+from .kinds import ELASTIC, Elastic
 
 
 def test_slopes_of_few_strains_are_one_matrix(monkeypatch) -> None:
@@ -75,6 +78,25 @@ def test_affine_maps_are_their_matrices(small: int, monkeypatch: pytest.MonkeyPa
         found = sums_module.affine(constant, index, columns, weights, 3)
         np.testing.assert_allclose(found(x), constant + x @ matrix.T, rtol=1e-14, atol=1e-14)
         np.testing.assert_allclose(found.slope(x[0]), matrix @ x[0], rtol=1e-14, atol=1e-14)
+
+
+@pytest.mark.parametrize("kind", ELASTIC, ids=lambda kind: kind.name)
+@pytest.mark.parametrize("small", [0, 2**20])
+def test_frozen_slopes_are_those_of_the_strains(kind: Elastic, small: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(strains_module, "SMALL", small)
+    rng, (_, system, _) = np.random.default_rng(7), kind.scene()
+    at = system.strains(kind.state(rng, system)[0])
+    stress, change = rng.normal(size=(3, system.n_stresses)), rng.normal(size=(3, system.n))
+    for found, expected in ((at.frozen().pull(stress), at.pull(stress)), (at.frozen().push(change), at.push(change))):
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 * np.max(np.abs(expected)))
+
+
+@pytest.mark.parametrize("targets", [10, 2 * MANY])
+def test_sums_of_local_values(targets: int) -> None:
+    rng = np.random.default_rng(5)
+    place, local, expected = rng.integers(0, 50, targets), rng.normal(size=(2, 3, targets)), np.zeros((2, 3, 50))
+    np.add.at(expected, (..., place), local)
+    np.testing.assert_allclose(Scatter(place, 50)(local), expected, rtol=0.0, atol=1e-12)
 
 
 def test_rows_without_coordinates_keep_their_value() -> None:

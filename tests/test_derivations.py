@@ -203,7 +203,7 @@ def mirrored(curve: Any) -> Any:
 
     def wrong(self: Any, stress: np.ndarray) -> Any:
         values = curve(self, stress)
-        values[..., self.kernel.points + 1 :: 2] *= -1.0  # after the even part, real and imaginary ones in turn
+        values[..., 1 : 6 * self.kernel.points : 2] *= -1.0  # before the even part, real and imaginary ones in turn
         return values
 
     return wrong
@@ -212,7 +212,7 @@ def mirrored(curve: Any) -> Any:
 WRONG: list[tuple[Any, str, Callable[[Any], Any], str, str, str]] = [
     (LocalFrameAt, "pull", lambda _: without_frame, "local_frame", "mbd.elements.local_frame.LocalFrameAt.pull", "eq. 25"),
     (LocalFrameAt, "_curve", negated, "local_frame", "mbd.elements.local_frame.LocalFrameAt.stiffness", "dQ/de"),
-    (SpatialContinuumAt, "_curve", negated, "continuum", "mbd.elements.spatial_continuum.SpatialContinuum", "swirl"),
+    (SpatialContinuumAt, "_curve", negated, "continuum", "mbd.elements.spatial_continuum.SpatialContinuum", "swirl_times"),
     (SpatialContinuumAt, "swirl_times", negated, "continuum", "mbd.elements.spatial_continuum.SpatialContinuum", "swirl_times"),
     (PlanarContinuumAt, "_curve", mirrored, "continuum", "mbd.elements.planar_continuum.PlanarContinuum", "stiffness"),
     (PlanarContinuumAt, "swirl_times", negated, "continuum", "mbd.elements.planar_continuum.PlanarContinuum", "swirl_times"),

@@ -56,7 +56,7 @@ class Pendulum:
     def load(self, q, v, inputs):
         return np.broadcast_to([0.0, -MASS * GRAVITY], q.shape)
 
-    def stiffness(self, q, v, inputs, stress, multipliers, *, strains=None):
+    def stiffness(self, q, v, inputs, stress, multipliers, *, strains=None, joints=None):
         return np.full(2, multipliers[0])
 
     def label(self, row):

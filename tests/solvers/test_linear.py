@@ -58,6 +58,22 @@ class RandomSystem:
         return linear, linear.factor(tangent, c_mass, c_damping, c_stiffness)
 
 
+@pytest.mark.parametrize("softened", [False, True])
+@pytest.mark.parametrize("name", FORMATS)
+def test_matrices_of_several_rates_solve_their_own_equations(monkeypatch, name, softened):
+    system, rates = RandomSystem(3), [60.0, 50.0 + 40.0j, 30.0 + 70.0j]
+    linear, _ = system.factor(monkeypatch, name)
+    if softened:
+        linear.soften()
+    factors = linear.factors(linear.tangent(system.g_values.ravel(), system.k_values, system.d_values), rates)
+    right = np.random.default_rng(5).normal(size=system.n + system.m)
+    for z, factor in zip(rates, factors):
+        np.testing.assert_array_equal(factor.weight, factors[0].weight)
+        x = np.concatenate(factor.solve(right[: system.n], right[system.n :]))
+        expected = np.linalg.solve(system.kkt(z * z, z, 1.0), right)
+        assert np.max(np.abs(x - expected)) < (1e-4 if softened else 1e-11) * np.max(np.abs(expected))
+
+
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("coefficients", [(1.0, 0.0, 0.0), (2e4, 150.0, 1.0), (3e3 + 4e3j, 50.0 + 60.0j, 1.0)])
 @pytest.mark.parametrize("name", FORMATS)
