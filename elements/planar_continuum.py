@@ -163,7 +163,7 @@ class PlanarContinuumAt:
         stretch = (vx.conj() - unit * (unit * vx).real) * (k.per_length / self.size)
         on_x, on_y = square * (2.0 * self.bend * vx - vy), -square * vx
         flat = np.stack((stretch, on_x, on_y), axis=-2).view(float).reshape(-1, 6 * k.points).dot(k.spread)
-        return flat.reshape(*self.size.shape[:-1], 2, k.points, 8) * k.scale[:, None, None, :]
+        return flat.reshape(*stretch.shape[:-1], 2, k.points, 8) * k.scale[:, None, None, :]
 
     def swirl_times(self, v: Array, change: Array) -> Array:
         """d(B v)/dq dq [..., n, 2, g]."""

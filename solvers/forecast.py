@@ -21,13 +21,15 @@ from .system import Array, System
 
 
 class Memory(NamedTuple):
-    """What the last step leaves to predict the next: its length, velocities and stresses at its start, and stages."""
+    """What the last step leaves to predict the next: its length, velocities and stresses at its start, stages, and how slowly iterations
+    contracted of late."""
 
     h: float
     v0: Array
     stress0: Array
     stages: Stages
     n_stages: int
+    rate: float
 
 
 FAST = 0.5

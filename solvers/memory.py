@@ -62,7 +62,7 @@ class _Checked:
 def _radau(method: Any, system: System, linear: Linear, of: _Checked) -> Any:
     n, m, k, s = system.n, system.m, system.n_stresses, method.table.stages
     stages = Stages(*(of(f"stages.{name}", s, width) for name, width in zip(Stages._fields, (n, n, m, m, k))))
-    return forecast.Memory(of.number("h"), of("v0", n), of("stress0", k), stages, s)
+    return forecast.Memory(of.number("h"), of("v0", n), of("stress0", k), stages, s, of.number("rate"))
 
 
 def _alpha(method: Any, system: System, linear: Linear, of: _Checked) -> Any:

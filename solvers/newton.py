@@ -32,12 +32,13 @@ COUPLED_UP_TO = 50_000
 
 
 class Outcome(NamedTuple):
-    """How an iteration ended: its stages (where it failed: the best), the derivatives, the worst contraction, its iterations, the residual of
-    g [s, m], and what went wrong, or ""."""
+    """How an iteration ended: its stages (where it failed: the best), the derivatives, the worst contraction and the last one seen, its
+    iterations, the residual of g [s, m], and what went wrong, or ""."""
 
     x: Stages
     at: Derivatives
     rate: float
+    trend: float
     solves: int
     residual: Array
     failure: str = ""
@@ -51,15 +52,18 @@ class Goal(NamedTuple):
     iterations: int
 
 
-def iterate(equations: StageEquations, linear: Linear, x: Stages, middle: Middle, tolerance: float, inputs: Any, iterations: int) -> Outcome:
+def iterate(
+    equations: StageEquations, linear: Linear, x: Stages, middle: Middle, tolerance: float, inputs: Any, iterations: int, slowest: float = 0.0
+) -> Outcome:
     """The stages, from the guess x; ``inputs`` are those of the middle. Raises Singular.
 
-    What is left at the goal does not show in the error estimate."""
+    What is left at the goal does not show in the error estimate. ``slowest`` is a contraction seen before, which this iteration is not trusted
+    to beat: the first correction mends most of what was guessed, those after it less."""
     system, floor = equations.system, ROUNDING * equations.system.length
     goal = Goal(max(tolerance / equations.table.noise, floor), max(STAGNANT * tolerance, 10.0 * floor), iterations)
     spent, coupled = 0, not system.joints.linear and equations.table.stages * linear.size <= COUPLED_UP_TO
     try:
-        found = _simplified(equations, linear, x, middle, inputs, goal)
+        found = _simplified(equations, linear, x, middle, inputs, Watch(goal, slowest))
         if not found.failure or not coupled:
             return found
         x, middle, spent = found.x, middle_of(equations, found.x), found.solves
@@ -77,11 +81,11 @@ def middle_of(equations: StageEquations, x: Stages) -> Middle:
     return Middle(equations.q0 + wide @ x.dq, v, narrow @ x.multipliers, narrow @ x.stress)
 
 
-def _simplified(equations: StageEquations, linear: Linear, x: Stages, middle: Middle, inputs: Any, goal: Goal) -> Outcome:
+def _simplified(equations: StageEquations, linear: Linear, x: Stages, middle: Middle, inputs: Any, watch: Watch) -> Outcome:
     def at_middle(middle: Middle) -> Linearised:
         return Linearised(equations.system, linear, equations.table, equations.h, middle, inputs)
 
-    watch, at, fresh = Watch(goal), at_middle(middle), True
+    goal, at, fresh = watch.goal, at_middle(middle), True
     for k in range(1, goal.iterations + 1):
         change = equations.correct(x, at)
         x, g = change.x, change.residual
@@ -116,7 +120,7 @@ class Watch:
 
     def __init__(self, goal: Goal, slowest: float = 0.0):
         self.goal, self.slowest = goal, slowest
-        self.rate = self.ratio = 0.0
+        self.rate = self.ratio = self.trend = 0.0
         self._last: float | None = None
         self._best: tuple[float, Stages | None] = (np.inf, None)
 
@@ -141,6 +145,7 @@ class Watch:
             return CONVERGED
         if not last:
             return ""
+        self.trend = min(size / last, 1.0)
         self.ratio = rate = max(size / last, self.slowest)
         self.rate = max(self.rate, rate)
         if rate < 1.0 and rate / (1.0 - rate) * size <= self.goal.converged:
@@ -152,5 +157,5 @@ class Watch:
 
     def outcome(self, verdict: str, x: Stages, at: Derivatives, k: int, g: Array) -> Outcome:
         if verdict in (CONVERGED, ENOUGH):
-            return Outcome(x, at, self.rate, k, g)
-        return Outcome(self._best[1] or x, at, 1.0, k, g, verdict)
+            return Outcome(x, at, self.rate, self.trend, k, g)
+        return Outcome(self._best[1] or x, at, 1.0, 1.0, k, g, verdict)

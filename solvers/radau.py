@@ -23,6 +23,9 @@ from .system import Array, System, Targets, targets
 SHORTEST = 1e-10
 """The first step is not below this share of the run."""
 
+FORGET = 0.8
+"""With each step what iterations contracted by counts this much less."""
+
 AT_SINGULAR = 1e-9
 """Below this reciprocal condition of the mass KKT matrix, which is about the square of that of G, the end of a step is not projected."""
 
@@ -63,10 +66,11 @@ class RadauIIA:
         """One step of length h; ``tolerance`` is a length: the local error allowed in positions."""
         table, tolerance = self.table, min(tolerance, linear.coarsest)
         guess, middle = forecast(system, state, table.c, h)
+        slowest = state.memory.rate if state.memory is not None else 0.0
         inputs = system.inputs(state.t + table.c * h)
         equations = StageEquations(system, table, h, state.q, state.v, inputs)
         try:
-            found = iterate(equations, linear, guess, middle, tolerance, system.inputs(state.t + 0.5 * h), self.iterations)
+            found = iterate(equations, linear, guess, middle, tolerance, system.inputs(state.t + 0.5 * h), self.iterations, slowest)
             if found.failure:
                 return self._refused(found, linear)
             x, at = found.x, found.at
@@ -76,7 +80,7 @@ class RadauIIA:
                 q, v = self._landed(system, linear, q, v, targets(inputs))
         except (Singular, Inconsistent) as trouble:
             return Attempt(None, np.inf, 1.0, 1.0, 0, f"singular equations ({trouble})")
-        memory = Memory(h, state.v, state.stress, x, table.stages)
+        memory = Memory(h, state.v, state.stress, x, table.stages, max(found.trend, FORGET * slowest))
         nodes = (state.t + table.c * h, state.q + x.dq, x.v, table.b * h)
         after = State(state.t + h, q, v, x.multipliers[-1].copy(), x.stress[-1].copy(), memory)
         return Attempt(after, error, table.stages + 1.0, found.rate, found.solves, nodes=nodes, multipliers=x.multipliers, inputs=inputs)

@@ -91,6 +91,17 @@ def test_frozen_slopes_are_those_of_the_strains(kind: Elastic, small: int, monke
         np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 * np.max(np.abs(expected)))
 
 
+@pytest.mark.parametrize("kind", ELASTIC, ids=lambda kind: kind.name)
+def test_derivatives_at_one_configuration_serve_velocities_of_many(kind: Elastic) -> None:
+    """The middle of a step, and the velocities of its stages."""
+    rng, (_, system, _) = np.random.default_rng(8), kind.scene()
+    at = system.strains(kind.state(rng, system)[0])
+    v, change = rng.normal(size=(2, 3, system.n))
+    together = at.swirl_times(v, change)
+    for k in range(3):
+        np.testing.assert_allclose(together[k], at.swirl_times(v[k], change[k]), rtol=1e-11, atol=1e-11 * np.max(np.abs(together)))
+
+
 @pytest.mark.parametrize("targets", [10, 2 * MANY])
 def test_sums_of_local_values(targets: int) -> None:
     rng = np.random.default_rng(5)

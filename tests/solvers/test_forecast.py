@@ -63,7 +63,7 @@ def test_a_uniformly_accelerated_motion_is_foretold_exactly(stages):
         return q0 + v0 * t + 0.5 * g * t**2, v0 + g * t, stress + 3.0 * t, force - 2.0 * t
 
     q, v, sigma, multipliers = at((c * h)[:, None])
-    memory = Memory(h, v0, stress, Stages(q - q0, v, multipliers, np.zeros_like(multipliers), sigma), stages)
+    memory = Memory(h, v0, stress, Stages(q - q0, v, multipliers, np.zeros_like(multipliers), sigma), stages, 0.1)
     state = State(h, q[-1], v[-1], multipliers[-1], sigma[-1], memory)
     system = SimpleNamespace(levers=np.ones(3), m=2)
     longer = 1.6 * h
