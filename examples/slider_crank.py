@@ -47,7 +47,7 @@ def deflection(result: mbd.Result, rod) -> np.ndarray:
 
 def main(out: str = ".") -> float:
     scene, items = machine()
-    result = mbd.simulate(scene, T_END, rtol=1e-6, t_eval=np.linspace(0.0, T_END, 251))
+    result = mbd.simulate(scene, T_END, rtol=1e-7, t_eval=np.linspace(0.0, T_END, 251))
     bent, torque = deflection(result, items["rod"]), result.reaction(items["motor"])[:, 2]
     print(f"largest deflection of the rod: {1e3 * np.abs(bent).max():.2f} mm of {1e3 * ROD:g} mm")
     print(f"torque of the motor: {torque.min():.1f} to {torque.max():.1f} N m")
