@@ -22,16 +22,16 @@ DENSEST = 300
 class Places(Protocol):
     """Room for several states w [k, 2, width] with accelerations [k, width] and ``multipliers`` [k, m].
 
-    rates  finds the accelerations and multipliers of one state; raises Singular
+    rates  finds the accelerations and multipliers of one state; raises NearlySingular
     land   moves it to the joints before; raises Inconsistent where it finds none near
-    check  raises Singular where some of the states are nearly singular, if ``rates`` and ``land`` did not
+    check  raises NearlySingular unless each state left its equations a share of their slopes, squared, above ``least``
     """
 
     multipliers: Array
 
     def rates(self, system: System, place: int, t: float) -> None: ...
     def land(self, system: System, place: int, t: float) -> None: ...
-    def check(self, places: slice) -> None: ...
+    def check(self, places: slice, least: float) -> None: ...
 
 
 class Form(Protocol):

@@ -1,0 +1,105 @@
+"""A step of the projected explicit method with its error: whole, or in two parts across a singular position."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .bench import BETWEEN, Bench, Memory
+from .dop853 import NODES, WEIGHTS
+from .index_one import Form
+from .leap import DIVISIONS
+from .nystrom import END, STAGES
+from .places import NEARLY_SINGULAR, NearlySingular
+from .protocol import Attempt, State
+from .system import Array, System
+
+OBVIOUS = 100.0
+"""Error over tolerance up to which a step is taken for too long in the first place, whatever its stages come near. Beyond, it may be a singular
+position that makes it large: shorter steps only creep up to it."""
+
+ORDER = 8.0
+
+EPSILON = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class Stride:
+    """Steps of a system; ``allowed``: the local error in positions [m]."""
+
+    system: System
+    bench: Bench
+    allowed: float
+
+    @property
+    def least(self) -> float:
+        """The share of an equation's slope, squared, that others must leave (``places.least_share``): rounding over it is an error in position."""
+        return max(NEARLY_SINGULAR, EPSILON * self.system.length / self.allowed)
+
+    def take(self, memory: Memory, state: State, h: float) -> Attempt:
+        """A step of length h from a state and what is remembered of it. Raises Inconsistent, and NearlySingular where two parts do not help."""
+        try:
+            return self._whole(memory, state, h)
+        except NearlySingular as near:
+            part = DIVISIONS[near.place] * h
+            if not part:
+                raise
+        return self._parts(memory, state, part, h - part)
+
+    def _whole(self, memory: Memory, state: State, h: float) -> Attempt:
+        bench = self.bench
+        end = bench.step(self.system, memory, state.t, h)
+        error = _size(bench.form, end[1:]) / self.allowed
+        if not error <= 1.0:
+            if not error < OBVIOUS:
+                bench.places.check(BETWEEN, self.least)
+            return Attempt(state, error if np.isfinite(error) else 1e8, ORDER, 0.0, 0)
+        after = bench.landed(self.system, state.t + h, end[0], self.least)
+        if self.system.n_stresses or self.system.damped:
+            after = after._replace(stiffness=h * _fastest(bench, after))
+        return self._accepted(state.t, h, after, error)
+
+    def _parts(self, memory: Memory, state: State, *lengths: float) -> Attempt:
+        first = self._whole(memory, state, lengths[0])
+        middle = first.state
+        if middle is None or first.error > 1.0:
+            return first
+        second = self._whole(middle.memory, middle, lengths[1])
+        return second._replace(state=state) if second.error > 1.0 else _joined(first, second, lengths)
+
+    def _accepted(self, t: float, h: float, after: Memory, error: float) -> Attempt:
+        bench, system = self.bench, self.system
+        all_rows = bench.form.all_rows
+        qs, vs = bench.form.leave(bench.states)
+        q, v = qs[END].copy(), vs[END].copy()  # those of the stages need not be kept with it
+        stress = system.stress(system.strains(q), v) if system.n_stresses else np.zeros(0)
+        there = State(t + h, q, v, all_rows(after.multipliers), stress, after)
+        multipliers = all_rows(bench.places.multipliers[:END]) if system.driven else None
+        nodes = (t + NODES * h, qs[:END], vs[:END], WEIGHTS * h)
+        return Attempt(there, error, ORDER, 0.0, STAGES, nodes=nodes, multipliers=multipliers)
+
+
+def _joined(first: Attempt, second: Attempt, lengths: tuple[float, ...]) -> Attempt:
+    """Two accepted steps as one. Its error is what the longer one tells of a step as long as both: by it the next is planned."""
+    longer, error = max(zip(lengths, (first.error, second.error)))
+    whole = min(1.0, max(first.error, second.error, error * (sum(lengths) / longer) ** ORDER))
+    assert first.nodes and second.nodes
+    t, q, v, weights = (np.concatenate(pair) for pair in zip(first.nodes, second.nodes))
+    known = first.multipliers is not None and second.multipliers is not None
+    multipliers = np.concatenate((first.multipliers, second.multipliers)) if known else None
+    return second._replace(error=whole, solves=first.solves + second.solves, nodes=(t, q, v, weights), multipliers=multipliers)
+
+
+def _size(form: Form, errors: Array) -> float:
+    """The estimate of Hairer, Norsett and Wanner, II.10: the embedded orders 5 and 3 together, each the larger of position and velocity."""
+    fifth, third = (max(each) for each in form.lengths(errors).tolist())
+    return fifth**2 / np.sqrt(fifth**2 + 0.01 * third**2) if fifth > 0.0 else 0.0
+
+
+def _fastest(bench: Bench, after: Memory) -> float:
+    """The rate [1/s] of what oscillates or decays fastest, from two neighbouring states, the last stage and the end: the change of
+    acceleration over those of position (oscillations) and velocity (dampers). Hairer and Wanner (1996), IV.2."""
+    changes = np.vstack((after.w - bench.states[END - 1], after.acceleration - bench.rows[END + 1]))
+    position, velocity, acceleration = bench.form.lengths(changes).tolist()
+    return max(np.sqrt(acceleration / position) if position > 0.0 else 0.0, acceleration / velocity if velocity > 0.0 else 0.0)
