@@ -18,12 +18,17 @@ from .system import Array, System
 class Memory(NamedTuple):
     """The state in the form prepared for the system, with its accelerations and multipliers.
 
-    ``stiffness`` is the last step times the fastest rate seen in it, of elastic systems: near 6 stability limits steps, not accuracy.
+    home       positions where the method began, and ``extent`` the farthest that anything has been seen from there [m]
+    share      least share of an equation's slope, squared, that others leave it there (``places.least_share``)
+    stiffness  the last step times the fastest rate seen in it, of elastic systems: near 6 stability limits steps, not accuracy
     """
 
     w: Array
     acceleration: Array
     multipliers: Array
+    home: Array
+    extent: float
+    share: float
     stiffness: float = 0.0
 
 
@@ -60,26 +65,40 @@ class Bench:
         """Of a state to start from. Raises NearlySingular."""
         self.states[END] = w
         self.places.rates(system, END, t)
-        self.places.check(AT_END, least)
-        return self._end()
+        shares = self.check(AT_END, least)
+        return self._end(w[0].copy(), 0.0, shares)
 
-    def landed(self, system: System, t: float, w: Array, least: float) -> Memory:
-        """The end of the last step, moved to the joints. Raises Inconsistent where there are none near, and NearlySingular."""
+    def landed(self, system: System, before: Memory, t: float, w: Array) -> Memory:
+        """The end of the last step, moved to the joints. Raises Inconsistent where there are none near, and NearlySingular where S is."""
         self.states[END] = w
         self.places.land(system, END, t)
-        self.places.check(ALL, least)
-        return self._end()
+        return self._end(before.home, before.extent, self.places.shares(AT_END))
+
+    def check(self, places: slice, least: float) -> Array:
+        """The shares that states leave their equations. Raises NearlySingular, at the worst of them, unless all are above ``least``."""
+        shares = self.places.shares(places)
+        worst = int(shares.argmin())
+        if not shares[worst] > least:
+            raise NearlySingular(places.start + worst)
+        return shares
 
     def reached(self, system: System, memory: Memory, t: float, h: float, least: float) -> Memory:
-        """The end of a step, or of two where one comes near a singular position. Raises as ``landed`` does."""
+        """The end of a step, or of two where one comes near a singular position. Raises Inconsistent and NearlySingular."""
+
+        def whole(memory: Memory, t: float, h: float) -> Memory:
+            end = self.landed(system, memory, t + h, self.step(system, memory, t, h)[0])
+            self.check(ALL, least)
+            return end
+
         try:
-            return self.landed(system, t + h, self.step(system, memory, t, h)[0], least)
+            return whole(memory, t, h)
         except NearlySingular as near:
             part = DIVISIONS[near.place] * h
             if not part:
                 raise
-        middle = self.landed(system, t + part, self.step(system, memory, t, part)[0], least)
-        return self.landed(system, t + h, self.step(system, middle, t + part, h - part)[0], least)
+        return whole(whole(memory, t, part), t + part, h - part)
 
-    def _end(self) -> Memory:
-        return Memory(self.states[END].copy(), self.rows[-1].copy(), self.places.multipliers[END].copy())
+    def _end(self, home: Array, extent: float, shares: Array) -> Memory:
+        w = self.states[END].copy()
+        farthest = max(extent, float(self.form.lengths((w[0] - home)[None])[0]))
+        return Memory(w, self.rows[-1].copy(), self.places.multipliers[END].copy(), home, farthest, float(shares[-1]))

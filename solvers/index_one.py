@@ -24,14 +24,14 @@ class Places(Protocol):
 
     rates  finds the accelerations and multipliers of one state; raises NearlySingular
     land   moves it to the joints before; raises Inconsistent where it finds none near
-    check  raises NearlySingular unless each state left its equations a share of their slopes, squared, above ``least``
+    shares tells of states the least share of an equation's slope, squared, that others leave; near singular positions it is small
     """
 
     multipliers: Array
 
     def rates(self, system: System, place: int, t: float) -> None: ...
     def land(self, system: System, place: int, t: float) -> None: ...
-    def check(self, places: slice, least: float) -> None: ...
+    def shares(self, places: slice) -> Array: ...
 
 
 class Form(Protocol):

@@ -99,11 +99,10 @@ class Places:
         if lapack.dpotrf(at.square.T, 1, 0, 1)[1]:
             raise NearlySingular(place)
 
-    def check(self, places: slice, least: float) -> None:
-        """Raises NearlySingular, at the worst of the states, unless each left its equations a share above ``least``."""
-        if self.form.m:
-            gradient = self._gradient[places]
-            judge(least_share(self._pivots[places], np.einsum("pij,pij->pi", gradient, gradient)), places, least)
+    def shares(self, places: slice) -> Array:
+        """Of each state the least share of an equation's slope, squared, that others leave."""
+        gradient = self._gradient[places]
+        return least_share(self._pivots[places], np.einsum("pij,pij->pi", gradient, gradient))
 
 
 def _solve(at: Place, right: Array) -> Array:
@@ -111,14 +110,7 @@ def _solve(at: Place, right: Array) -> Array:
     return lapack.dpotrs(at.square.T, right, 1)[0].dot(at.gradient)
 
 
-def judge(shares: Array, places: slice, least: float) -> None:
-    """Raises NearlySingular unless all shares [places] are above ``least``."""
-    worst = int(shares.argmin())
-    if not shares[worst] > least:
-        raise NearlySingular(places.start + worst)
-
-
 def least_share(pivots: Array, sizes: Array) -> Array:
     """[...]: the least share of an equation's slope, squared, that those before it leave: pivots [..., m] of the Cholesky factors of matrices
     with these diagonals. In a long chain the last equation keeps no more than one part in its number, which counts as all."""
-    return (pivots * pivots / sizes).min(axis=-1) / min(1.0, MANY / pivots.shape[-1])
+    return (pivots * pivots / sizes).min(axis=-1, initial=1.0) / min(1.0, MANY / max(pivots.shape[-1], 1))

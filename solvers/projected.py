@@ -23,9 +23,6 @@ from .start import Inconsistent
 from .stride import Stride
 from .system import Array, System
 
-STRICT = 0.1
-"""The local error aimed at, as a share of the tolerance: what steps of this size leave adds up over the long spans they cover."""
-
 
 @dataclass(frozen=True)
 class DormandPrince:
@@ -67,10 +64,9 @@ class ProjectedExplicit:
 
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:
         """One step of length h; ``tolerance`` is a length: the local error allowed in positions."""
-        bench = self._bench(system, linear)
-        stride = Stride(system, bench, STRICT * min(tolerance, linear.coarsest))
+        stride = Stride(system, self._bench(system, linear), tolerance)
         try:
-            return stride.take(self._remembered(system, bench, state, stride.least), state, h)
+            return stride.take(stride.remembered(state), state, h)
         except (Singular, Inconsistent) as trouble:
             return Attempt(None, np.inf, 1.0, 0.0, 0, f"singular equations ({trouble})")
 
@@ -80,16 +76,11 @@ class ProjectedExplicit:
             bench = self._prepared.bench = Bench(linear, index_one(system, linear))
         return bench
 
-    def _remembered(self, system: System, bench: Bench, state: State, least: float) -> Memory:
-        if isinstance(state.memory, Memory):
-            return state.memory
-        return bench.remembered(system, state.t, bench.form.enter(state.q, state.v), least)
-
     def inside(self, system: System, linear: Linear, before: State, after: State, times: Array) -> tuple[Array, Array]:
         """q, v [n_t, n] at times within a step: the ends of steps of their own from its start, as accurate as the step itself."""
         bench, w = self._bench(system, linear), []
         try:
-            start = self._remembered(system, bench, before, NEARLY_SINGULAR)
+            start = bench.remembered(system, before.t, bench.form.enter(before.q, before.v), NEARLY_SINGULAR)
 
             def reached(t: float) -> Memory:
                 return bench.reached(system, start, before.t, t - before.t, NEARLY_SINGULAR) if t > before.t else start

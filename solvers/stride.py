@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from .bench import BETWEEN, Bench, Memory
+from .bench import ALL, BETWEEN, Bench, Memory
 from .dop853 import NODES, WEIGHTS
 from .index_one import Form
 from .leap import DIVISIONS
@@ -19,23 +20,43 @@ OBVIOUS = 100.0
 """Error over tolerance up to which a step is taken for too long in the first place, whatever its stages come near. Beyond, it may be a singular
 position that makes it large: shorter steps only creep up to it."""
 
-ORDER = 8.0
+CLEAR = 1e-2
+"""Share of an equation's slope, squared, below which a state is near a singular position: steps that end there leave the next one a larger error,
+and what refuses a step that starts there is not its length."""
 
-EPSILON = float(np.finfo(float).eps)
+STRICT, LITTLE, COARSE = 0.05, 0.2, 0.1
+"""The local error aimed at, as a share of the tolerance: what steps of this size leave adds up over the long spans they cover. Where nothing has
+moved by the scene's length, of a tolerance for how far it has, down to LITTLE of it; and as a share of the largest meaningful tolerance."""
+
+ROUNDING = 10.0 * float(np.finfo(float).eps)
+"""Of positions, as a share of the length, next to singular positions."""
+
+ORDER = 8.0
 
 
 @dataclass(frozen=True)
 class Stride:
-    """Steps of a system; ``allowed``: the local error in positions [m]."""
+    """Steps of a system, with the tolerance of local errors in positions [m]."""
 
     system: System
     bench: Bench
-    allowed: float
+    tolerance: float
+
+    def _allowed(self, memory: Memory) -> float:
+        """The local error [m] of a step: of what moves little in a long scene, a share of its motion."""
+        moving = min(1.0, max(LITTLE, memory.extent / self.system.length))
+        return min(STRICT * moving * self.tolerance, COARSE * self.bench.linear.coarsest)
 
     @property
-    def least(self) -> float:
+    def _least(self) -> float:
         """The share of an equation's slope, squared, that others must leave (``places.least_share``): rounding over it is an error in position."""
-        return max(NEARLY_SINGULAR, EPSILON * self.system.length / self.allowed)
+        return max(NEARLY_SINGULAR, ROUNDING * self.system.length / self.tolerance)
+
+    def remembered(self, state: State) -> Memory:
+        """A state in the form prepared for the system. Raises NearlySingular."""
+        if isinstance(state.memory, Memory):
+            return state.memory
+        return self.bench.remembered(self.system, state.t, self.bench.form.enter(state.q, state.v), self._least)
 
     def take(self, memory: Memory, state: State, h: float) -> Attempt:
         """A step of length h from a state and what is remembered of it. Raises Inconsistent, and NearlySingular where two parts do not help."""
@@ -50,12 +71,16 @@ class Stride:
     def _whole(self, memory: Memory, state: State, h: float) -> Attempt:
         bench = self.bench
         end = bench.step(self.system, memory, state.t, h)
-        error = _size(bench.form, end[1:]) / self.allowed
+        error = _size(bench.form, end[1:]) / self._allowed(memory)
         if not error <= 1.0:
             if not error < OBVIOUS:
-                bench.places.check(BETWEEN, self.least)
-            return Attempt(state, error if np.isfinite(error) else 1e8, ORDER, 0.0, 0)
-        after = bench.landed(self.system, state.t + h, end[0], self.least)
+                bench.check(BETWEEN, self._least)
+            return _refused(memory, state, error)
+        after = bench.landed(self.system, memory, state.t + h, end[0])
+        grown = error * max(1.0, math.sqrt(CLEAR / after.share)) if after.share > 0.0 else np.inf
+        if not grown <= 1.0:
+            return _refused(memory, state, grown)
+        bench.check(ALL, self._least)
         if self.system.n_stresses or self.system.damped:
             after = after._replace(stiffness=h * _fastest(bench, after))
         return self._accepted(state.t, h, after, error)
@@ -80,14 +105,22 @@ class Stride:
         return Attempt(there, error, ORDER, 0.0, STAGES, nodes=nodes, multipliers=multipliers)
 
 
+def _refused(memory: Memory, state: State, error: float) -> Attempt:
+    """A step that is too long, unless it starts near a singular position: raises NearlySingular."""
+    if memory.share < CLEAR:
+        raise NearlySingular(0)
+    return Attempt(state, error if np.isfinite(error) else 1e8, ORDER, 0.0, 0)
+
+
 def _joined(first: Attempt, second: Attempt, lengths: tuple[float, ...]) -> Attempt:
     """Two accepted steps as one. Its error is what the longer one tells of a step as long as both: by it the next is planned."""
     longer, error = max(zip(lengths, (first.error, second.error)))
     whole = min(1.0, max(first.error, second.error, error * (sum(lengths) / longer) ** ORDER))
     assert first.nodes and second.nodes
     t, q, v, weights = (np.concatenate(pair) for pair in zip(first.nodes, second.nodes))
-    known = first.multipliers is not None and second.multipliers is not None
-    multipliers = np.concatenate((first.multipliers, second.multipliers)) if known else None
+    multipliers = None
+    if first.multipliers is not None and second.multipliers is not None:
+        multipliers = np.concatenate((first.multipliers, second.multipliers))
     return second._replace(error=whole, solves=first.solves + second.solves, nodes=(t, q, v, weights), multipliers=multipliers)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from .formats import Singular
 from .linear import Linear
-from .places import NearlySingular, judge
+from .places import NearlySingular
 from .start import accelerations, mass_factor, project_positions, project_velocities
 from .system import Array, System, targets
 
@@ -73,8 +73,8 @@ class Each:
         except Singular as trouble:
             raise NearlySingular(place, trouble) from None
 
-    def check(self, places: slice, least: float) -> None:
-        judge(self._shares[places], places, least)
+    def shares(self, places: slice) -> Array:
+        return self._shares[places]
 
 
 class Kkt(Whole):
