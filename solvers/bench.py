@@ -65,14 +65,13 @@ class Bench:
         """Of a state to start from. Raises NearlySingular."""
         self.states[END] = w
         self.places.rates(system, END, t)
-        shares = self.check(AT_END, least)
-        return self._end(w[0].copy(), 0.0, shares)
+        return self._end(w[0].copy(), 0.0, self.check(AT_END, least))
 
-    def landed(self, system: System, before: Memory, t: float, w: Array) -> Memory:
-        """The end of the last step, moved to the joints. Raises Inconsistent where there are none near, and NearlySingular where S is."""
+    def landed(self, system: System, before: Memory, t: float, w: Array, least: float) -> Memory:
+        """The end of the last step, moved to the joints. Raises Inconsistent where there are none near, and NearlySingular."""
         self.states[END] = w
         self.places.land(system, END, t)
-        return self._end(before.home, before.extent, self.places.shares(AT_END))
+        return self._end(before.home, before.extent, self.check(ALL, least))
 
     def check(self, places: slice, least: float) -> Array:
         """The shares that states leave their equations. Raises NearlySingular, at the worst of them, unless all are above ``least``."""
@@ -86,9 +85,7 @@ class Bench:
         """The end of a step, or of two where one comes near a singular position. Raises Inconsistent and NearlySingular."""
 
         def whole(memory: Memory, t: float, h: float) -> Memory:
-            end = self.landed(system, memory, t + h, self.step(system, memory, t, h)[0])
-            self.check(ALL, least)
-            return end
+            return self.landed(system, memory, t + h, self.step(system, memory, t, h)[0], least)
 
         try:
             return whole(memory, t, h)
