@@ -50,8 +50,8 @@ class Bench:
         self._plan = [(self._sums[i, :, : i + 2], self.rows[: i + 2], self.states[i], i, float(NODES[i])) for i in range(1, STAGES)]
 
     def step(self, system: System, memory: Memory, t: float, h: float) -> Array:
-        """[3, 2, ...]: the state at the end, not yet moved to the joints, and two estimates of its error, velocities times h. Raises Singular
-        where a state is; nearly singular ones show in a check."""
+        """[3, 2, ...]: the state at the end, not yet moved to the joints, and two estimates of its error, velocities times h. Raises
+        NearlySingular where a state is singular; others near it show in a check."""
         combinations(h, self._sums)
         self.states[0] = self.rows[:2] = memory.w
         self.rows[2], self.places.multipliers[0] = memory.acceleration, memory.multipliers

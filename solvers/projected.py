@@ -2,7 +2,8 @@
 
 Dormand and Prince's method (``nystrom.py``) for q'' = a(q, q', t) with index-1 accelerations (``index_one.py``); positions, then
 velocities, are projected at the end of each step. Hairer, Norsett and Wanner (1993), II.10; Eich (1993), SIAM J. Numer. Anal. 30.
-A step that comes near a singular position of the joints fails and says so: it is for an implicit method to go on (``automatic.py``).
+A step whose stages come near a singular position of the joints is taken in two parts that avoid it (``stride.py``, ``leap.py``); where that does
+not help it fails and says so: it is for an implicit method to go on (``automatic.py``).
 """
 
 from __future__ import annotations

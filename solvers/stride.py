@@ -1,4 +1,8 @@
-"""A step of the projected explicit method with its error: whole, or in two parts across a singular position."""
+"""A step of the projected explicit method with its error: whole, or in two parts across a singular position.
+
+A step is not made better by ending nearer to a singular position: errors of stages count there by the inverse of a slope that vanishes, and
+steps that are only shortened creep up to it, where every method stops. So what goes wrong there is told as NearlySingular, at once.
+"""
 
 from __future__ import annotations
 
