@@ -23,8 +23,9 @@ OBVIOUS = 100.0
 """Error over tolerance up to which a step is taken for too long in the first place, whatever its stages come near. Beyond, it may be a singular
 position that makes it large: shorter steps only creep up to it."""
 
-CLEAR = 1e-2
-"""Share of an equation's slope, squared, below which a step starts near a singular position: then it is not its length that makes its error large."""
+CLEAR = 3e-3
+"""Share of an equation's slope, squared, below which a step starts near a singular position: then it is not its length that makes its error large.
+States of long chains leave a hundredth, and are not meant."""
 
 STRICT, LITTLE, COARSE = 0.05, 0.2, 0.1
 """The local error aimed at, as a share of the tolerance: what steps of this size leave adds up over the long spans they cover. Where nothing has
