@@ -25,7 +25,7 @@ position that makes it large: shorter steps only creep up to it."""
 
 CLEAR = 3e-3
 """Share of an equation's slope, squared, below which a step starts near a singular position: then it is not its length that makes its error large.
-States of long chains leave a hundredth, and are not meant."""
+States of long chains leave a hundredth, and are not meant. Nor may it be less than four times what rounding makes a singular position."""
 
 STRICT, LITTLE, COARSE = 0.05, 0.2, 0.1
 """The local error aimed at, as a share of the tolerance: what steps of this size leave adds up over the long spans they cover. Where nothing has
@@ -78,7 +78,9 @@ class Stride:
         if not error <= 1.0:
             if not error < OBVIOUS:
                 bench.check(BETWEEN, self._least)
-            return _refused(memory, state, error)
+            if memory.share < max(CLEAR, 4.0 * self._least):
+                raise NearlySingular(0)
+            return Attempt(state, error if np.isfinite(error) else 1e8, ORDER, 0.0, 0)
         after = bench.landed(self.system, memory, state.t + h, end[0], self._least)
         if self.system.n_stresses or self.system.damped:
             after = after._replace(stiffness=h * _fastest(bench, after))
@@ -102,13 +104,6 @@ class Stride:
         multipliers = all_rows(bench.places.multipliers[:END]) if system.driven else None
         nodes = (t + NODES * h, qs[:END], vs[:END], WEIGHTS * h)
         return Attempt(there, error, ORDER, 0.0, STAGES, nodes=nodes, multipliers=multipliers)
-
-
-def _refused(memory: Memory, state: State, error: float) -> Attempt:
-    """A step that is too long, unless it starts near a singular position: raises NearlySingular."""
-    if memory.share < CLEAR:
-        raise NearlySingular(0)
-    return Attempt(state, error if np.isfinite(error) else 1e8, ORDER, 0.0, 0)
 
 
 def _joined(first: Attempt, second: Attempt, lengths: tuple[float, ...]) -> Attempt:
