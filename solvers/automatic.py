@@ -28,6 +28,10 @@ STABLE, ALARMS = 6.1, 15
 FAR = 100.0
 """First step times fastest rate from which on a system is taken for stiff at once; steps tell what is not as clear."""
 
+CROSSING, REACHED = 0.1, 1e-10
+"""The tolerance of a step across a singular position, as a share of the given one: what Newton's iteration leaves in the equations there is a far
+larger error in position. But not below that share of the length, as rounding grows in the same way."""
+
 
 @dataclass(frozen=True)
 class Automatic:
@@ -81,6 +85,7 @@ class Switching:
                 return self._after_explicit(system, linear, attempt, attempt.state, memory.alarms)
             if memory.explicit:
                 state, memory = _complete(system, linear, state), Memory(False, None)
+            tolerance = min(tolerance, max(CROSSING * tolerance, REACHED * system.length))
         attempt = self.implicit.step(system, linear, state._replace(memory=memory.inner), h, tolerance)
         if attempt.state is None:
             return attempt

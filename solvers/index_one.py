@@ -22,16 +22,16 @@ DENSEST = 300
 class Places(Protocol):
     """Room for several states w [k, 2, width] with accelerations [k, width] and ``multipliers`` [k, m].
 
-    rates  finds the accelerations and multipliers of one state; raises Singular
+    rates  finds the accelerations and multipliers of one state; raises NearlySingular
     land   moves it to the joints before; raises Inconsistent where it finds none near
-    check  raises Singular where some of the states are nearly singular, if ``rates`` and ``land`` did not
+    shares tells of states the least share of an equation's slope, squared, that others leave; near singular positions it is small
     """
 
     multipliers: Array
 
     def rates(self, system: System, place: int, t: float) -> None: ...
     def land(self, system: System, place: int, t: float) -> None: ...
-    def check(self, places: slice) -> None: ...
+    def shares(self, places: slice) -> Array: ...
 
 
 class Form(Protocol):

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from . import automatic, forecast, gauss, generalized_alpha, projected, radau
+from . import automatic, bench, forecast, gauss, generalized_alpha, projected, radau
 from .index_one import index_one
 from .linear import Linear
 from .stages import Stages
@@ -77,7 +77,8 @@ def _gauss(method: Any, system: System, linear: Linear, of: _Checked) -> Any:
 
 def _explicit(method: Any, system: System, linear: Linear, of: _Checked) -> Any:
     form = index_one(system, linear)
-    return projected.Memory(of("w", 2, form.width), of("acceleration", form.width), of("multipliers", form.m), of.number("stiffness"))
+    known = of("w", 2, form.width), of("acceleration", form.width), of("multipliers", form.m), of("home", form.width)
+    return bench.Memory(*known, *(of.number(name) for name in bench.Memory._fields[len(known) :]))
 
 
 def _switching(method: Any, system: System, linear: Linear, of: _Checked) -> Any:

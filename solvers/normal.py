@@ -16,10 +16,10 @@ from scipy.linalg import lapack
 from .formats import Singular
 from .linear import Linear
 from .ordering import half_bandwidth, reverse_cuthill_mckee
-from .places import independent
+from .places import least_share
 from .start import floor_of, settle
 from .system import Array, Index, JointsAt, System, targets
-from .whole import Whole
+from .whole import Rates, Whole
 
 DENSE_UP_TO = 40
 """Equations up to which S is factorised dense whatever its pattern."""
@@ -64,33 +64,34 @@ class Normal(Whole):
         pairs = (scaled[left] * scaled[right])[constant]
         self.fixed = [np.bincount(slots[constant], pairs * weights, minlength=self.size) for weights in (1.0, alike[constant])]
 
-    def rates(self, system: System, w: Array, t: float) -> tuple[Array, Array]:
-        """Accelerations [n] and multipliers [m]. Raises Singular where S nearly is."""
+    def rates(self, system: System, w: Array, t: float) -> Rates:
+        """What follows from a state. Raises Singular where S is."""
         joints = system.joints.at(w[0])
-        return self._finish(system, w, t, joints, self._factor(joints))
+        return self._finish(system, w, t, joints, *self._factor(joints))
 
-    def land(self, system: System, w: Array, t: float) -> tuple[Array, Array]:
+    def land(self, system: System, w: Array, t: float) -> Rates:
         """Moves w to the joints, in place, and goes on as ``rates``; raises Inconsistent where it finds none near."""
         goal, start = targets(system.inputs(t)), system.joints.at(w[0])
-        near = self._factor(start, apart=bool(system.joints.slips.size))
+        near, _ = self._factor(start, apart=bool(system.joints.slips.size))
 
         def correction(gap: Array) -> Array:
             return self.inverse * start.pull(self._solve(near, gap))
 
         w[0] = settle(w[0], lambda q: system.joints.at(q).value - goal.value, correction, self.linear.reach, floor_of(system, w[0]))
         joints = system.joints.at(w[0])
-        factor = self._factor(joints)
+        factor, share = self._factor(joints)
         w[1] -= self.inverse * joints.pull(self._solve(factor, joints.push(w[1]) - goal.rate))
-        return self._finish(system, w, t, joints, factor)
+        return self._finish(system, w, t, joints, factor, share)
 
-    def _finish(self, system: System, w: Array, t: float, joints: JointsAt, factor: Array) -> tuple[Array, Array]:
+    def _finish(self, system: System, w: Array, t: float, joints: JointsAt, factor: Array, share: float) -> Rates:
         inputs = system.inputs(t)
         free = self.inverse * system.force(w[0], w[1], inputs)
         multipliers = self._solve(factor, joints.push(free) + joints.bias(w[1]) - targets(inputs).acceleration)
-        return free - self.inverse * joints.pull(multipliers), multipliers
+        return Rates(free - self.inverse * joints.pull(multipliers), multipliers, share)
 
-    def _factor(self, joints: JointsAt, apart: bool = False) -> Array:
-        """The Cholesky factor of S; ``apart``: without what couples positions' equations with nonholonomic ones. Raises Singular."""
+    def _factor(self, joints: JointsAt, apart: bool = False) -> tuple[Array, float]:
+        """The Cholesky factor of S, and the share it leaves; ``apart``: without what couples positions' equations with nonholonomic ones. Raises
+        Singular."""
         scaled = joints.gradient * self.root
         pairs = scaled.take(self.left) * scaled.take(self.right)
         summed: Any = np.bincount(self.slots, pairs * self.alike if apart else pairs, minlength=self.size)  # floats, whatever the stub says
@@ -103,9 +104,9 @@ class Normal(Whole):
         else:
             factor, info = lapack.dpotrf(buffer, lower=1, clean=0, overwrite_a=1)
             pivots = factor.diagonal()
-        if info or not independent(pivots, sizes):
+        if info:
             raise Singular("joints in a nearly singular position")
-        return factor
+        return factor, float(least_share(pivots, sizes))
 
     def _solve(self, factor: Array, right: Array) -> Array:
         solve = lapack.dpbtrs if self.band else lapack.dpotrs

@@ -18,11 +18,19 @@ from .system import Array, System, targets
 if TYPE_CHECKING:
     from .reduced import Reduced
 
-NEARLY_SINGULAR = 1e-4
-"""Share of an equation's slope, squared, that those before it leave: below it multipliers are no longer trusted."""
+NEARLY_SINGULAR = 1e-5
+"""Share of an equation's slope, squared, that those before it leave: below it multipliers are not trusted, whatever the tolerance."""
 
 MANY = 100
 """Equations above which that share is the smaller, the more they are."""
+
+
+class NearlySingular(Singular):
+    """Joints in or near a singular position, at one of several places."""
+
+    def __init__(self, place: int, detail: object = ""):
+        self.place = place
+        super().__init__(str(detail) or "joints in a nearly singular position")
 
 
 class Place(NamedTuple):
@@ -57,7 +65,7 @@ class Places:
         self._gradient, self._pivots = pull[:, 1:], np.diagonal(square, axis1=1, axis2=2)
 
     def rates(self, system: System, place: int, t: float) -> None:
-        """The accelerations and multipliers of one state."""
+        """The accelerations and multipliers of one state. Raises NearlySingular."""
         form = self.form
         w, u, product, load, gradient, turning, pull, square, weights, multipliers, acceleration = self._places[place]
         np.dot(w, form.tensor, product)
@@ -69,7 +77,7 @@ class Places:
             if system.driven:
                 multipliers -= targets(system.inputs(t)).acceleration[form.kept]
             if lapack.dposv(square.T, multipliers, 1, 1, 1)[2]:  # the factor and the solution take the places of both
-                raise Singular("joints in a nearly singular position")
+                raise NearlySingular(place)
         np.dot(weights, pull, acceleration)
 
     def land(self, system: System, place: int, t: float) -> None:
@@ -77,24 +85,24 @@ class Places:
         form, at = self.form, self._places[place]
         if form.m:
             z, (goal, speed) = at.w[0, :-1], form.goals(system, t)
-            self._factor(at)
+            self._factor(place)
             z[:] = settle(z, lambda z: form.gap(z) - goal, lambda gap: -_solve(at, gap), form.reach, form.floor)
-            self._factor(at)
+            self._factor(place)
             at.u[:] -= _solve(at, at.gradient.dot(at.u) + speed)
         self.rates(system, place, t)
 
-    def _factor(self, at: Place) -> None:
-        """The Cholesky factor of G G' in ``square``; raises Singular."""
+    def _factor(self, place: int) -> None:
+        """The Cholesky factor of G G' in ``square``; raises NearlySingular."""
+        at = self._places[place]
         np.dot(at.w, self.form.tensor, at.product)
         np.dot(at.gradient, at.gradient.T, at.square)
         if lapack.dpotrf(at.square.T, 1, 0, 1)[1]:
-            raise Singular("joints in a nearly singular position")
+            raise NearlySingular(place)
 
-    def check(self, places: slice) -> None:
-        """Raises Singular where equations nearly depended on each other in any of the states."""
+    def shares(self, places: slice) -> Array:
+        """Of each state the least share of an equation's slope, squared, that others leave."""
         gradient = self._gradient[places]
-        if self.form.m and not independent(self._pivots[places], np.einsum("pij,pij->pi", gradient, gradient)):
-            raise Singular("joints in a nearly singular position")
+        return least_share(self._pivots[places], np.einsum("pij,pij->pi", gradient, gradient))
 
 
 def _solve(at: Place, right: Array) -> Array:
@@ -102,8 +110,7 @@ def _solve(at: Place, right: Array) -> Array:
     return lapack.dpotrs(at.square.T, right, 1)[0].dot(at.gradient)
 
 
-def independent(pivots: Array, sizes: Array) -> bool:
-    """Whether no equation nearly follows from those before it: pivots [..., m] of the Cholesky factors of matrices with these diagonals.
-
-    In a long chain the last equation keeps no more than one part in its number."""
-    return bool((pivots * pivots > NEARLY_SINGULAR * min(1.0, MANY / pivots.shape[-1]) * sizes).all())
+def least_share(pivots: Array, sizes: Array) -> Array:
+    """[...]: the least share of an equation's slope, squared, that those before it leave: pivots [..., m] of the Cholesky factors of matrices
+    with these diagonals. In a long chain the last equation keeps no more than one part in its number, which counts as all."""
+    return (pivots * pivots / sizes).min(axis=-1, initial=1.0) / min(1.0, MANY / max(pivots.shape[-1], 1))

@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
 
+from .formats import Singular
 from .linear import Linear
+from .places import NearlySingular
 from .start import accelerations, mass_factor, project_positions, project_velocities
 from .system import Array, System, targets
+
+
+class Rates(NamedTuple):
+    """Accelerations [n], multipliers [m], and the least share of an equation's slope, squared, that others leave (``places.least_share``);
+    1 where it is not asked for."""
+
+    acceleration: Array
+    multipliers: Array
+    share: float = 1.0
 
 
 class Whole:
@@ -31,11 +45,11 @@ class Whole:
     def places(self, w: Array, accelerations: Array) -> Each:
         return Each(self, w, accelerations)
 
-    def rates(self, system: System, w: Array, t: float) -> tuple[Array, Array]:
-        """Accelerations [n] and multipliers [m]. Raises Singular where equations depend on each other."""
+    def rates(self, system: System, w: Array, t: float) -> Rates:
+        """What follows from a state. Raises Singular where equations depend on each other."""
         raise NotImplementedError
 
-    def land(self, system: System, w: Array, t: float) -> tuple[Array, Array]:
+    def land(self, system: System, w: Array, t: float) -> Rates:
         """Moves w to the joints, in place, and goes on as ``rates``; raises Inconsistent where it finds none near."""
         raise NotImplementedError
 
@@ -45,26 +59,32 @@ class Each:
 
     def __init__(self, form: Whole, w: Array, accelerations: Array):
         self._form, self._w, self._accelerations = form, w, accelerations
-        self.multipliers = np.empty((len(w), form.m))
+        self.multipliers, self._shares = np.empty((len(w), form.m)), np.ones(len(w))
 
     def rates(self, system: System, place: int, t: float) -> None:
-        self._accelerations[place], self.multipliers[place] = self._form.rates(system, self._w[place], t)
+        self._set(place, self._form.rates, system, t)
 
     def land(self, system: System, place: int, t: float) -> None:
-        self._accelerations[place], self.multipliers[place] = self._form.land(system, self._w[place], t)
+        self._set(place, self._form.land, system, t)
 
-    def check(self, places: slice) -> None:
-        """Each state is checked by itself."""
+    def _set(self, place: int, find: Callable[[System, Array, float], Rates], system: System, t: float) -> None:
+        try:
+            self._accelerations[place], self.multipliers[place], self._shares[place] = find(system, self._w[place], t)
+        except Singular as trouble:
+            raise NearlySingular(place, trouble) from None
+
+    def shares(self, places: slice) -> Array:
+        return self._shares[places]
 
 
 class Kkt(Whole):
     """Through the KKT matrix of the mass: any system."""
 
-    def rates(self, system: System, w: Array, t: float) -> tuple[Array, Array]:
-        """Accelerations [n] and multipliers [m]. Raises Singular where equations depend on each other."""
-        return accelerations(system, mass_factor(system, self.linear, w[0]), w[0], w[1], system.inputs(t))
+    def rates(self, system: System, w: Array, t: float) -> Rates:
+        """What follows from a state. Raises Singular where equations depend on each other."""
+        return Rates(*accelerations(system, mass_factor(system, self.linear, w[0]), w[0], w[1], system.inputs(t)))
 
-    def land(self, system: System, w: Array, t: float) -> tuple[Array, Array]:
+    def land(self, system: System, w: Array, t: float) -> Rates:
         """Moves w to the joints, in place, and goes on as ``rates``; raises Inconsistent where it finds none near."""
         if system.m:
             goal = targets(system.inputs(t))

@@ -75,7 +75,7 @@ def test_accelerations_are_those_of_the_kkt_matrix(name, form):
     places = made.places(np.stack((w, w, w)), rates)
     for k in (2, 1):
         places.rates(system, k, t)
-    places.check(slice(1, 3))
+    assert (places.shares(slice(1, 3)) > 1e-3).all()
     multipliers = made.all_rows(places.multipliers)[1]
     a, known = accelerations(system, mass_factor(system, linear, q), q, v, system.inputs(t))
     found = made.leave(np.stack((w[0], rates[1])))[1]

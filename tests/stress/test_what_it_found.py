@@ -79,10 +79,18 @@ def test_the_errors_added_up_are_what_a_fixed_step_costs(step: float) -> None:
 
 
 def test_a_branch_left_across_a_tiny_gap_is_announced() -> None:
-    """A crank and a rod longer by 1e-7 of it: the gap between both ways of closing is finer than the steps. With 1e-3 it is not."""
-    told = said(lambda: singular.dead_centre(1e-7))
+    """A crank and a rod longer by 1e-8 of it: the gap between both ways of closing is finer than the steps. With 1e-3 it is not."""
+    told = said(lambda: singular.dead_centre(1e-8))
     assert "'rod', 'guide' went through a singular position at t = 0.527" in told
     assert not said(lambda: singular.dead_centre(1e-3))
+
+
+@pytest.mark.parametrize("excess", np.geomspace(1e-9, 1e-5, 7))
+def test_a_run_next_to_dead_centres_is_right_or_announces_the_branch(excess: float) -> None:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        wrong = singular.dead_centre(excess).error > 1e-3
+    assert wrong == any("singular position" in str(warning.message) for warning in caught)
 
 
 def test_a_passage_through_the_line_of_all_bars_is_told() -> None:
