@@ -36,10 +36,14 @@ FAST = 0.5
 """A last term below this share of the one before is no sign that the next would grow."""
 
 
+POWERS = np.arange(1, 13)
+
+
 class Fits:
     """Polynomials of least squares through values at the stages, ``with_start`` of the step or without, exact at its end x = 0:
 
-    weights [degrees, powers, nodes]: degree d = 1, 2, ... is sum_k x^k weights[d - 1, k - 1] @ (values), added to the last value.
+    weights [degrees, powers, nodes]: degree d = 1, 2, ... is sum_k x^k weights[d - 1, k - 1] @ (values), added to the last value; integrated
+    [degrees, powers, nodes]: the same of its integral from the end, by x^(k + 1). Points are given as their powers x, x^2, ...
     """
 
     def __init__(self, nodes: Array):
@@ -48,29 +52,26 @@ class Fits:
         for degree in range(1, degrees + 1):
             inverse = np.linalg.pinv(polynomial.polyvander(nodes[:-1] - 1.0, degree)[:, 1:])
             self.weights[degree - 1, :degree] = np.concatenate((inverse, -inverse.sum(axis=1, keepdims=True)), axis=1)
+        self.integrated = self.weights / np.arange(2, degrees + 2)[:, None]
         self.terms = np.diff(self.weights, axis=0, prepend=0.0).transpose(1, 0, 2).reshape(degrees, -1)
 
-    def changes(self, x: Array, degree: int) -> Array:
-        """[points, nodes]: values at x, in steps beyond the end, less the one there."""
-        return _powers(x, degree).dot(self.weights[degree - 1, :degree])
+    def changes(self, powers: Array, degree: int) -> Array:
+        """[points, nodes]: values less the one at the end."""
+        return powers[:, :degree].dot(self.weights[degree - 1, :degree])
 
-    def integrals(self, x: Array, degree: int) -> Array:
+    def integrals(self, powers: Array, degree: int) -> Array:
         """[points, nodes]: integrals of these changes from the end."""
-        k = np.arange(1, degree + 1)
-        return (_powers(x, degree) * (x[:, None] / (k + 1))).dot(self.weights[degree - 1, :degree])
+        return powers[:, 1 : degree + 1].dot(self.integrated[degree - 1, :degree])
 
-    def best(self, x: float, values: Array) -> int:
-        """The degree for values [nodes, ...] up to x: below that of the smallest term there, or the highest where terms shrink fast to the last."""
+    def best(self, powers: Array, values: Array) -> int:
+        """The degree for values [nodes, ...] up to a point: below that of the smallest term there, or the highest where terms shrink fast to the
+        last."""
         degrees = len(self.weights)
-        terms = _powers(np.array([x]), degrees).dot(self.terms).reshape(degrees, -1).dot(values)
+        terms = powers[:degrees].dot(self.terms).reshape(degrees, -1).dot(values)
         squares = np.einsum("ij,ij->i", terms, terms)
         if squares[-1] < FAST**2 * squares[-2]:
             return degrees
         return max(int(squares.argmin()), 1)
-
-
-def _powers(x: Array, degree: int) -> Array:
-    return x[:, None] ** np.arange(1, degree + 1)
 
 
 @cache
@@ -88,7 +89,7 @@ def forecast(system: System, state: State, c: Array, h: float) -> tuple[Stages, 
         still = np.tile(state.v, (rows, 1)), np.tile(state.multipliers, (rows, 1)), np.tile(state.stress, (rows, 1))
         return _split(system, state, np.outer(x, h * state.v), *still)
     wide, narrow = _fits(memory.n_stages)
-    last, ahead = memory.stages, x * (h / memory.h)
+    last, ahead = memory.stages, (x * (h / memory.h))[:, None] ** POWERS[: memory.n_stages + 1]
     v = np.concatenate((memory.v0[None], last.v))
     degree = wide.best(ahead[-2], v * system.levers)
     less = max(degree - 1, 1)

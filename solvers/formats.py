@@ -51,6 +51,10 @@ def _check(info: int) -> None:
     assert info == 0, f"LAPACK refused argument {-info}"
 
 
+INVERTED = 64
+"""Unknowns up to which several right sides are multiplied by the inverse: one call in place of one for each."""
+
+
 class Dense:
     name = "dense"
 
@@ -62,11 +66,24 @@ class Dense:
 
     def factor(self, buffer: NDArray) -> Solve:
         complex_ = np.iscomplexobj(buffer)
-        getrf, getrs = (lapack.zgetrf, lapack.zgetrs) if complex_ else (lapack.dgetrf, lapack.dgetrs)
+        getrf, getrs, getri = (getattr(lapack, ("z" if complex_ else "d") + name) for name in ("getrf", "getrs", "getri"))
         lu, pivots, info = getrf(buffer.reshape(self.size, self.size).T, overwrite_a=1)
         _check(info)
-        # Column by column: OpenBLAS starts threads for several right sides of any size, which costs milliseconds on a busy machine.
-        return lambda b: getrs(lu, pivots, b, overwrite_b=1)[0] if b.ndim == 1 else np.stack([getrs(lu, pivots, column)[0] for column in b.T], axis=1)
+        inverse: NDArray | None = None
+
+        def solve(b: NDArray) -> NDArray:
+            nonlocal inverse
+            if b.ndim == 1:
+                return getrs(lu, pivots, b, overwrite_b=1)[0]
+            if self.size > INVERTED:
+                # Column by column: OpenBLAS starts threads for several right sides of any size, which costs milliseconds on a busy machine.
+                return np.stack([getrs(lu, pivots, column)[0] for column in b.T], axis=1)
+            if inverse is None:
+                inverse, info = getri(lu, pivots)
+                _check(info)
+            return inverse.dot(b)
+
+        return solve
 
     def norm(self, buffer: NDArray) -> float:
         return _norm(buffer.reshape(self.size, self.size).T)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mbd.solvers.coefficients import tableau
-from mbd.solvers.forecast import Fits, Memory, forecast
+from mbd.solvers.forecast import POWERS, Fits, Memory, forecast
 from mbd.solvers.protocol import State
 from mbd.solvers.stages import Stages
 
@@ -25,12 +25,12 @@ def test_a_fit_of_degree_d_continues_and_integrates_polynomials_of_degree_d(stag
     nodes = nodes_of(stages, with_start)
     fits = Fits(nodes)
     for degree in range(1, len(nodes)):
-        rounding = 1e-13 * np.abs(fits.changes(AHEAD, degree)).sum()
+        rounding = 1e-13 * np.abs(fits.changes(AHEAD[:, None] ** POWERS, degree)).sum()
         for k in range(1, degree + 1):
             values = (nodes - 1.0) ** k
-            assert np.allclose(fits.changes(AHEAD, degree) @ values, AHEAD**k, rtol=0, atol=rounding)
-            assert np.allclose(fits.integrals(AHEAD, degree) @ values, AHEAD ** (k + 1) / (k + 1), rtol=0, atol=rounding)
-        assert np.allclose(fits.changes(AHEAD, degree).sum(axis=1), 0.0, atol=rounding), "a constant changes nothing"
+            assert np.allclose(fits.changes(AHEAD[:, None] ** POWERS, degree) @ values, AHEAD**k, rtol=0, atol=rounding)
+            assert np.allclose(fits.integrals(AHEAD[:, None] ** POWERS, degree) @ values, AHEAD ** (k + 1) / (k + 1), rtol=0, atol=rounding)
+        assert np.allclose(fits.changes(AHEAD[:, None] ** POWERS, degree).sum(axis=1), 0.0, atol=rounding), "a constant changes nothing"
 
 
 @pytest.mark.parametrize("noise", (0.0, 1e-10, 1e-6, 1e-3))
@@ -46,8 +46,8 @@ def test_the_degree_taken_is_nearly_the_best_there_is(stages, rate, noise):
     for phase in phases:
         values = np.cos(rate * (nodes - 1.0)[:, None] + phase + np.array((0.0, 1.2, 2.1))) + noise * random.standard_normal((len(nodes), 3))
         truth = np.cos(rate * x + phase + np.array((0.0, 1.2, 2.1)))
-        errors = [float(np.abs(fits.changes(x, d) @ values + values[-1] - truth).max()) for d in range(1, len(nodes))]
-        kept.append(errors[fits.best(1.0, values) - 1])
+        errors = [float(np.abs(fits.changes(x[:, None] ** POWERS, d) @ values + values[-1] - truth).max()) for d in range(1, len(nodes))]
+        kept.append(errors[fits.best(1.0**POWERS, values) - 1])
         best.append(min(errors))
         straight.append(errors[0])
     assert np.median(kept) <= 8.0 * max(np.median(best), noise)
