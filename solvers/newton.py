@@ -26,6 +26,8 @@ SLOW = 0.4
 STEADY = 0.1
 """The contraction that Newton's iteration with each stage's slopes is trusted to go on with: it starts faster."""
 
+FED = 3.0
+"""The energy that what is left may add to a step, in units of the goal (``StageEquations.fed``): where motions are smooth, each step adds as much."""
 
 COUPLED_UP_TO = 50_000
 """Unknowns of all stages together up to which Newton's method with each stage's slopes costs less than the shorter steps it saves."""
@@ -63,7 +65,7 @@ def iterate(
     goal = Goal(max(tolerance / equations.table.noise, floor), max(STAGNANT * tolerance, 10.0 * floor), iterations)
     spent, coupled = 0, not system.joints.linear and equations.table.stages * linear.size <= COUPLED_UP_TO
     try:
-        found = _simplified(equations, linear, x, middle, inputs, Watch(goal, slowest))
+        found = _simplified(equations, linear, x, middle, inputs, Watch(equations, goal, slowest))
         if not found.failure or not coupled:
             return found
         x, middle, spent = found.x, middle_of(equations, found.x), found.solves
@@ -100,7 +102,7 @@ def _simplified(equations: StageEquations, linear: Linear, x: Stages, middle: Mi
 
 
 def _full(equations: StageEquations, x: Stages, at: Coupled, goal: Goal) -> Outcome:
-    watch = Watch(goal, STEADY)
+    watch = Watch(equations, goal, STEADY)
     for k in range(1, goal.iterations + 1):
         change = equations.correct(x, at)
         x, g = change.x, change.residual
@@ -118,8 +120,8 @@ CONVERGED, ENOUGH, OVERFLOW = "converged", "gets no further, but far enough", "N
 class Watch:
     """The sizes of successive changes, and what they say."""
 
-    def __init__(self, goal: Goal, slowest: float = 0.0):
-        self.goal, self.slowest = goal, slowest
+    def __init__(self, equations: StageEquations, goal: Goal, slowest: float):
+        self.equations, self.goal, self.slowest = equations, goal, slowest
         self.rate = self.ratio = self.trend = 0.0
         self._last: float | None = None
         self._best: tuple[float, Stages | None] = (np.inf, None)
@@ -130,16 +132,17 @@ class Watch:
 
     def judge(self, k: int, change: Correction, at: Derivatives) -> str:
         """CONVERGED, ENOUGH, what is wrong, or "" to go on, after correction number k."""
-        verdict = self._by_size(k, change.x, change.size)
+        verdict = self._by_size(k, change)
         if verdict == CONVERGED and at.unseen(change.strains, change.stress_change) > self.goal.converged:
             return ""
         return verdict
 
-    def _by_size(self, k: int, x: Stages, size: float) -> str:
+    def _by_size(self, k: int, change: Correction) -> str:
+        size = change.size
         if not np.isfinite(size):
             return OVERFLOW
         if size < self._best[0]:
-            self._best = size, x
+            self._best = size, change.x
         last, self._last, self.ratio = self._last, size, 0.0
         if size <= 1e-2 * self.goal.converged:
             return CONVERGED
@@ -148,12 +151,16 @@ class Watch:
         self.trend = min(size / last, 1.0)
         self.ratio = rate = max(size / last, self.slowest)
         self.rate = max(self.rate, rate)
-        if rate < 1.0 and rate / (1.0 - rate) * size <= self.goal.converged:
+        if rate < 1.0 and self._little(rate / (1.0 - rate), change):
             return CONVERGED
         hopeless = rate >= 1.0 or rate ** (self.goal.iterations - k) / (1.0 - rate) * size > self.goal.converged
         if k <= 2 or not hopeless:
             return ""
         return ENOUGH if size <= self.goal.enough else f"Newton's iteration does not contract (rate {rate:.2g})"
+
+    def _little(self, share: float, change: Correction) -> bool:
+        """Whether a share of the last change may be left."""
+        return share * change.size <= self.goal.converged and share * self.equations.fed(change) <= FED * self.goal.converged
 
     def outcome(self, verdict: str, x: Stages, at: Derivatives, k: int, g: Array) -> Outcome:
         if verdict in (CONVERGED, ENOUGH):

@@ -40,14 +40,16 @@ class Stages(NamedTuple):
 
 
 class Correction(NamedTuple):
-    """What one correction leads to: the next iterate, the size of its change as a length, the residual of g [s, m] before it; and what
-    stresses were computed with, which is kept only where strains set in: strains before it, change of the stresses."""
+    """What one correction leads to: the next iterate, the size of its change as a length, the residual of g [s, m] before it; what
+    stresses were computed with, which is kept only where strains set in: strains before it, change of the stresses; and, of Radau, the residual
+    of the balance [s, n] before it."""
 
     x: Any
     size: float
     residual: Array
     strains: Any
     stress_change: Array | None
+    force: Array | None = None
 
 
 class Middle(NamedTuple):
@@ -201,12 +203,21 @@ class StageEquations:
             stress = stress + r5 + at.stress_change(dq, dq_rate)
         after = Stages(x.dq + dq, v + dv, x.multipliers + d_multipliers, drift, stress)
         seen = (strains, stress - x.stress) if system.onsets else (None, None)
-        return Correction(after, self._size(dq, dv), g, *seen)
+        return Correction(after, self._size(dq, dv), g, *seen, r2)
 
     def _size(self, dq: Array, dv: Array) -> float:
         """The largest change of a stage's position, or of the final velocity times the step: both are lengths."""
         levers = self.system.levers
         return max(float(np.abs(dq * levers).max()), self.h * float(np.abs(dv[-1] * levers).max()))
+
+    def fed(self, change: Correction) -> float:
+        """What the residual of the balance before a correction adds to the energy in this step, as a length: h times the final velocity, times its
+        share of v M v. Stiff elements and joints hold large forces by changes of position that are not seen."""
+        v, force = change.x.v, change.force
+        assert force is not None
+        energy = self.h * abs(float(self.table.b.dot(np.einsum("ij,ij->i", v, force))))
+        moving = float(v[-1].dot(self.system.mass(v[-1:])[0]))
+        return self.h * float(np.abs(v[-1] * self.system.levers).max()) * energy / moving if moving > 0.0 else 0.0
 
     def start_defect(self, x: Stages, force: Array, at: Derivatives) -> tuple[Array, Array]:
         """The embedded estimate of the local error in q and v [n]: the defect of the collocation polynomial at the start of the step,
