@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .bench import Memory
 from .places import NearlySingular
 from .system import Array
+from .workspace import Memory
 
 NEAREST = 2.0**-8
 """Distance in time at which values are first asked for, as a share of the step; it is doubled until they are known."""

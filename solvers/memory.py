@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from . import automatic, bench, forecast, gauss, generalized_alpha, projected, radau
+from . import automatic, forecast, gauss, generalized_alpha, projected, radau, workspace
 from .index_one import index_one
 from .linear import Linear
 from .stages import Stages
@@ -78,7 +78,7 @@ def _gauss(method: Any, system: System, linear: Linear, of: _Checked) -> Any:
 def _explicit(method: Any, system: System, linear: Linear, of: _Checked) -> Any:
     form = index_one(system, linear)
     known = of("w", 2, form.width), of("acceleration", form.width), of("multipliers", form.m), of("home", form.width)
-    return bench.Memory(*known, *(of.number(name) for name in bench.Memory._fields[len(known) :]))
+    return workspace.Memory(*known, *(of.number(name) for name in workspace.Memory._fields[len(known) :]))
 
 
 def _switching(method: Any, system: System, linear: Linear, of: _Checked) -> Any:

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .bench import Bench, Memory
 from .between import value
 from .formats import Singular
 from .index_one import index_one
@@ -23,6 +22,7 @@ from .protocol import Attempt, State
 from .start import Inconsistent
 from .stride import Stride
 from .system import Array, System
+from .workspace import Memory, Workspace
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class DormandPrince:
 class _Prepared(threading.local):
     """What a method has prepared for the system asked last, in each thread its own; its making costs as much as a step."""
 
-    bench: Bench | None = None
+    workspace: Workspace | None = None
 
 
 class ProjectedExplicit:
@@ -65,29 +65,29 @@ class ProjectedExplicit:
 
     def step(self, system: System, linear: Linear, state: State, h: float, tolerance: float) -> Attempt:
         """One step of length h; ``tolerance`` is a length: the local error allowed in positions."""
-        stride = Stride(system, self._bench(system, linear), tolerance)
+        stride = Stride(system, self._workspace(system, linear), tolerance)
         try:
             return stride.take(stride.remembered(state), state, h)
         except (Singular, Inconsistent) as trouble:
             return Attempt(None, np.inf, 1.0, 0.0, 0, f"singular equations ({trouble})")
 
-    def _bench(self, system: System, linear: Linear) -> Bench:
-        bench = self._prepared.bench
-        if bench is None or bench.linear is not linear:
-            bench = self._prepared.bench = Bench(linear, index_one(system, linear))
-        return bench
+    def _workspace(self, system: System, linear: Linear) -> Workspace:
+        workspace = self._prepared.workspace
+        if workspace is None or workspace.linear is not linear:
+            workspace = self._prepared.workspace = Workspace(linear, index_one(system, linear))
+        return workspace
 
     def inside(self, system: System, linear: Linear, before: State, after: State, times: Array) -> tuple[Array, Array]:
         """q, v [n_t, n] at times within a step: the ends of steps of their own from its start, as accurate as the step itself."""
-        bench, w = self._bench(system, linear), []
+        workspace, w = self._workspace(system, linear), []
         try:
-            start = bench.remembered(system, before.t, bench.form.enter(before.q, before.v), NEARLY_SINGULAR)
+            start = workspace.remembered(system, before.t, workspace.form.enter(before.q, before.v), NEARLY_SINGULAR)
 
             def reached(t: float) -> Memory:
-                return bench.reached(system, start, before.t, t - before.t, NEARLY_SINGULAR) if t > before.t else start
+                return workspace.reached(system, start, before.t, t - before.t, NEARLY_SINGULAR) if t > before.t else start
 
             for t in times.tolist():
                 w.append(value(reached, t, before.t, after.t))
         except (Singular, Inconsistent) as trouble:
             raise ArithmeticError(f"no interpolation at {t:.9g} s: the joints are in a nearly singular position ({trouble})") from None
-        return bench.form.leave(np.array(w))
+        return workspace.form.leave(np.array(w))

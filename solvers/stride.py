@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .bench import BETWEEN, Bench, Memory
 from .dop853 import NODES, WEIGHTS
 from .index_one import Form
 from .leap import DIVISIONS
@@ -18,6 +17,7 @@ from .nystrom import END, STAGES
 from .places import NEARLY_SINGULAR, NearlySingular
 from .protocol import Attempt, State
 from .system import Array, System
+from .workspace import BETWEEN, Memory, Workspace
 
 OBVIOUS = 100.0
 """Error over tolerance up to which a step is taken for too long in the first place, whatever its stages come near. Beyond, it may be a singular
@@ -42,13 +42,13 @@ class Stride:
     """Steps of a system, with the tolerance of local errors in positions [m]."""
 
     system: System
-    bench: Bench
+    workspace: Workspace
     tolerance: float
 
     def _allowed(self, memory: Memory) -> float:
         """The local error [m] of a step: of what moves little in a long scene, a share of its motion."""
         moving = min(1.0, max(LITTLE, memory.extent / self.system.length))
-        return min(STRICT * moving * self.tolerance, COARSE * self.bench.linear.coarsest)
+        return min(STRICT * moving * self.tolerance, COARSE * self.workspace.linear.coarsest)
 
     @property
     def _least(self) -> float:
@@ -59,7 +59,7 @@ class Stride:
         """A state in the form prepared for the system. Raises NearlySingular."""
         if isinstance(state.memory, Memory):
             return state.memory
-        return self.bench.remembered(self.system, state.t, self.bench.form.enter(state.q, state.v), self._least)
+        return self.workspace.remembered(self.system, state.t, self.workspace.form.enter(state.q, state.v), self._least)
 
     def take(self, memory: Memory, state: State, h: float) -> Attempt:
         """A step of length h from a state and what is remembered of it. Raises Inconsistent, and NearlySingular where two parts do not help."""
@@ -72,18 +72,18 @@ class Stride:
         return self._parts(memory, state, part, h - part)
 
     def _whole(self, memory: Memory, state: State, h: float) -> Attempt:
-        bench = self.bench
-        end = bench.step(self.system, memory, state.t, h)
-        error = _size(bench.form, end[1:]) / self._allowed(memory)
+        workspace = self.workspace
+        end = workspace.step(self.system, memory, state.t, h)
+        error = _size(workspace.form, end[1:]) / self._allowed(memory)
         if not error <= 1.0:
             if not error < OBVIOUS:
-                bench.check(BETWEEN, self._least)
+                workspace.check(BETWEEN, self._least)
             if memory.share < max(CLEAR, 4.0 * self._least):
                 raise NearlySingular(0)
             return Attempt(state, error if np.isfinite(error) else 1e8, ORDER, 0.0, 0)
-        after = bench.landed(self.system, memory, state.t + h, end[0], self._least)
+        after = workspace.landed(self.system, memory, state.t + h, end[0], self._least)
         if self.system.n_stresses or self.system.damped:
-            after = after._replace(stiffness=h * _fastest(bench, after))
+            after = after._replace(stiffness=h * _fastest(workspace, after))
         return self._accepted(state.t, h, after, error)
 
     def _parts(self, memory: Memory, state: State, *lengths: float) -> Attempt:
@@ -95,13 +95,13 @@ class Stride:
         return second._replace(state=state) if second.error > 1.0 else _joined(first, second, lengths)
 
     def _accepted(self, t: float, h: float, after: Memory, error: float) -> Attempt:
-        bench, system = self.bench, self.system
-        all_rows = bench.form.all_rows
-        qs, vs = bench.form.leave(bench.states)
+        workspace, system = self.workspace, self.system
+        all_rows = workspace.form.all_rows
+        qs, vs = workspace.form.leave(workspace.states)
         q, v = qs[END].copy(), vs[END].copy()  # those of the stages need not be kept with it
         stress = system.stress(system.strains(q), v) if system.n_stresses else np.zeros(0)
         there = State(t + h, q, v, all_rows(after.multipliers), stress, after)
-        multipliers = all_rows(bench.places.multipliers[:END]) if system.driven else None
+        multipliers = all_rows(workspace.places.multipliers[:END]) if system.driven else None
         nodes = (t + NODES * h, qs[:END], vs[:END], WEIGHTS * h)
         return Attempt(there, error, ORDER, 0.0, STAGES, nodes=nodes, multipliers=multipliers)
 
@@ -124,9 +124,9 @@ def _size(form: Form, errors: Array) -> float:
     return fifth**2 / np.sqrt(fifth**2 + 0.01 * third**2) if fifth > 0.0 else 0.0
 
 
-def _fastest(bench: Bench, after: Memory) -> float:
+def _fastest(workspace: Workspace, after: Memory) -> float:
     """The rate [1/s] of what oscillates or decays fastest, from two neighbouring states, the last stage and the end: the change of
     acceleration over those of position (oscillations) and velocity (dampers). Hairer and Wanner (1996), IV.2."""
-    changes = np.vstack((after.w - bench.states[END - 1], after.acceleration - bench.rows[END + 1]))
-    position, velocity, acceleration = bench.form.lengths(changes).tolist()
+    changes = np.vstack((after.w - workspace.states[END - 1], after.acceleration - workspace.rows[END + 1]))
+    position, velocity, acceleration = workspace.form.lengths(changes).tolist()
     return max(np.sqrt(acceleration / position) if position > 0.0 else 0.0, acceleration / velocity if velocity > 0.0 else 0.0)

@@ -36,7 +36,7 @@ BETWEEN, AT_END, ALL = slice(1, END), slice(END, END + 1), slice(1, END + 1)
 """Places of a step: stages but the start, its end, and both."""
 
 
-class Bench:
+class Workspace:
     """A form of a system, and room for one step: its states at stages and end [stages + 1, 2, ...], and rows of position and velocity at its
     start and the accelerations of all states [3 + stages, ...], of which states are sums."""
 
