@@ -26,6 +26,9 @@ SLOW = 0.4
 STEADY = 0.1
 """The contraction that Newton's iteration with each stage's slopes is trusted to go on with: it starts faster."""
 
+FEW = 4.0
+"""What is left adds up over steps, whose number grows as (length / tolerance)^(1 / order): the goal falls with it from so much on."""
+
 FED = 3.0
 """The energy that what is left may add to a step, in units of the goal (``StageEquations.fed``): where motions are smooth, each step adds as much."""
 
@@ -59,10 +62,11 @@ def iterate(
 ) -> Outcome:
     """The stages, from the guess x; ``inputs`` are those of the middle. Raises Singular.
 
-    What is left at the goal does not show in the error estimate. ``slowest`` is a contraction seen before, which this iteration is not trusted
-    to beat: the first correction mends most of what was guessed, those after it less."""
+    What is left at the goal does not show in the error estimate, nor in many steps together. ``slowest`` is a contraction seen before, which
+    this iteration is not trusted to beat: the first correction mends most of what was guessed, those after it less."""
     system, floor = equations.system, ROUNDING * equations.system.length
-    goal = Goal(max(tolerance / equations.table.noise, floor), max(STAGNANT * tolerance, 10.0 * floor), iterations)
+    many = max((system.length / tolerance) ** (1.0 / (equations.table.stages + 1)) / FEW, 1.0)
+    goal = Goal(max(tolerance / (equations.table.noise * many), floor), max(STAGNANT * tolerance, 10.0 * floor), iterations)
     spent, coupled = 0, not system.joints.linear and equations.table.stages * linear.size <= COUPLED_UP_TO
     try:
         found = _simplified(equations, linear, x, middle, inputs, Watch(equations, goal, slowest))
