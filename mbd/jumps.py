@@ -44,6 +44,9 @@ ROUNDING = 1e-9
 FEW = 16
 """Times that tell a function's size."""
 
+STILL = 1e-12
+"""Changes of a drive that move nothing, in metres (of a scene longer than one) and radians: of a smooth start they are what rounding leaves."""
+
 MOST_STEPS = sys.maxsize
 """More often than any run has steps."""
 
@@ -65,12 +68,12 @@ def look(system: Any, start: float, end: float) -> Found:
     at = grid(start, end)
     times, restless = [], {}
     for signal in _silent(kernel.signals for kernel in system.loads):
-        found, turns = _seen(signal, at)
+        found, turns = _seen(signal, at, 0.0)
         times += found
         if turns:
             restless[signal.item] = turns
     for signal in _silent(target.signals for _, target in system.joints.drives):
-        found, turns = _seen(signal, at)
+        found, turns = _seen(signal, at, STILL * min(1.0, system.length))
         if np.any(np.diff(np.unique(found)) < np.min(np.diff(at))):
             turns = MOST_STEPS
         if turns:
@@ -82,15 +85,16 @@ def _silent(signals: Iterable[Iterable[Signal]]) -> Iterator[Signal]:
     return (signal for each in signals for signal in each if signal.function and not _tells(signal.function))
 
 
-def _seen(signal: Signal, at: Array) -> tuple[list[float], int]:
-    """The jumps of one function, and how often it turns round if that is more often than samples or comparisons can show, else 0."""
+def _seen(signal: Signal, at: Array, least: float) -> tuple[list[float], int]:
+    """The jumps of one function, and how often it turns round, by more than ``least``, if that is more often than samples or comparisons can
+    show, else 0."""
     assert signal.function is not None
     with np.errstate(all="ignore"):
         try:
             values = np.array([signal.function(t) for t in at.tolist()], dtype=float).reshape(SAMPLES, -1)
             if not np.isfinite(values).all():
                 return [], 0
-            turns = reversals(values)
+            turns = reversals(values, least)
             if turns > RESTLESS * SAMPLES:
                 return [], turns
             hidden, turns = _hidden(signal, values, at)
@@ -150,10 +154,10 @@ def grid(start: float, end: float) -> Array:
     return start + (end - start) * moved / (SAMPLES - 1)
 
 
-def reversals(values: Array) -> int:
-    """At how many samples [k, d] the component that turns round most does so, by more than rounding."""
+def reversals(values: Array, least: float) -> int:
+    """At how many samples [k, d] the component that turns round most does so, by more than rounding and more than ``least``."""
     changes = np.diff(values, axis=0)
-    changes[np.abs(changes) <= 1e-12 * np.max(np.abs(values), axis=0)] = 0.0
+    changes[np.abs(changes) <= np.maximum(1e-12 * np.max(np.abs(values), axis=0), least)] = 0.0
     return int(np.max(np.sum(changes[1:] * changes[:-1] < 0.0, axis=0)))
 
 

@@ -201,5 +201,21 @@ def test_pulses_of_drives_are_told(speed: Function, told: bool) -> None:
 def test_a_fast_drive_is_told_by_how_often_it_turns_round() -> None:
     """A run with more steps than that sees it."""
     drive = SimpleNamespace(signals=[Signal(lambda t: np.sin(1e4 * t), (), "drive", "")])
-    system = SimpleNamespace(loads=[], joints=SimpleNamespace(drives=[(slice(0, 1), drive)]))
+    system = SimpleNamespace(loads=[], joints=SimpleNamespace(drives=[(slice(0, 1), drive)]), length=1.0)
     assert 1000 < look(system, 0.0, 1.0).restless["drive"] < SAMPLES
+
+
+def test_what_rounding_leaves_of_a_smooth_start_is_no_motion() -> None:
+    """A drive's first ten-thousandth: (w / T) (t^2 / 2 - (T / 2 pi)^2 (1 - cos(2 pi t / T))) grows with t^4, below the rounding of its terms."""
+
+    def start(t: float) -> float:
+        return 4.0 / 15.0 * (0.5 * t * t + (15.0 / (2.0 * math.pi)) ** 2 * (math.cos(2.0 * math.pi * t / 15.0) - 1.0))
+
+    scene = mbd.Scene(gravity=(0.0, 0.0))
+    rod = scene.add(mbd.AncfCable((0.0, 0.0), (1.0, 0.0), n_elements=2, E=1e7, A=1e-4, I=1e-9, rho=1000.0))
+    scene.add(mbd.Prescribed(rod.start, (0.0, 0.0), angle=start, name="drive"))
+    system = scene.build()
+    values = np.array([start(t) for t in np.linspace(0.0, 1e-3, 100).tolist()])
+    assert np.sum(np.diff(np.diff(values) > 0.0)) > 10, "it does turn round"
+    assert not look(system, 0.0, 1e-3).restless
+    assert not look(system, 0.0, 20.0).restless
