@@ -81,7 +81,8 @@ def test_the_errors_added_up_are_what_a_fixed_step_costs(step: float) -> None:
 def test_a_branch_left_across_a_tiny_gap_is_announced() -> None:
     """A crank and a rod longer by 1e-8 of it: the gap between both ways of closing is finer than the steps. With 1e-3 it is not."""
     told = said(lambda: singular.dead_centre(1e-8))
-    assert "'rod', 'guide' went through a singular position at t = 0.527" in told
+    assert "'rod', 'guide' went through a singular position at t = " in told
+    assert float(told.split("position at t = ")[1].split(" s")[0]) == pytest.approx(0.527, abs=1e-3)
     assert not said(lambda: singular.dead_centre(1e-3))
 
 
