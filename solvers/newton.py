@@ -17,8 +17,8 @@ from .system import Array
 STAGNANT = 0.1
 """An iteration that gets no further is accepted below this share of the tolerance: rounding near a singular position, say."""
 
-ROUNDING = 1e-15
-"""What iterations can reach, as a share of the system's length."""
+ROUNDING, NEAR = 1e-15, 10.0
+"""What iterations can reach, as a share of the system's length; and so many times that much is next to it."""
 
 SLOW = 0.4
 """A contraction slower than this renews the derivatives in the middle of the iteration."""
@@ -50,10 +50,12 @@ class Outcome(NamedTuple):
 
 
 class Goal(NamedTuple):
-    """Lengths: where an iteration has converged, and where it may stop if it gets no further; and the iterations it has."""
+    """Lengths: where an iteration has converged, where it may stop if it gets no further, and what its residual may feed in
+    (``StageEquations.fed``); and the iterations it has."""
 
     converged: float
     enough: float
+    fed: float
     iterations: int
 
 
@@ -64,9 +66,7 @@ def iterate(
 
     What is left at the goal does not show in the error estimate, nor in many steps together. ``slowest`` is a contraction seen before, which
     this iteration is not trusted to beat: the first correction mends most of what was guessed, those after it less."""
-    system, floor = equations.system, ROUNDING * equations.system.length
-    many = max((system.length / tolerance) ** (1.0 / (equations.table.stages + 1)) / FEW, 1.0)
-    goal = Goal(max(tolerance / (equations.table.noise * many), floor), max(STAGNANT * tolerance, 10.0 * floor), iterations)
+    system, goal = equations.system, _goal(equations, tolerance, iterations)
     spent, coupled = 0, not system.joints.linear and equations.table.stages * linear.size <= COUPLED_UP_TO
     try:
         found = _simplified(equations, linear, x, middle, inputs, Watch(equations, goal, slowest))
@@ -78,6 +78,15 @@ def iterate(
             raise
     found = _full(equations, x, Coupled(equations, linear, x, middle, inputs), goal)
     return found._replace(solves=spent + found.solves)
+
+
+def _goal(equations: StageEquations, tolerance: float, iterations: int) -> Goal:
+    """What a tolerance asks for; next to rounding neither many steps nor energies ask for more."""
+    length, once = equations.system.length, tolerance / equations.table.noise
+    many = max((length / tolerance) ** (1.0 / (equations.table.stages + 1)) / FEW, 1.0)
+    floor, near = ROUNDING * length, NEAR * ROUNDING * length
+    converged = max(once / many, min(once, near), floor)
+    return Goal(converged, max(STAGNANT * tolerance, NEAR * floor), FED * converged if converged > near else np.inf, iterations)
 
 
 def middle_of(equations: StageEquations, x: Stages) -> Middle:
@@ -164,7 +173,8 @@ class Watch:
 
     def _little(self, share: float, change: Correction) -> bool:
         """Whether a share of the last change may be left."""
-        return share * change.size <= self.goal.converged and share * self.equations.fed(change) <= FED * self.goal.converged
+        goal = self.goal
+        return share * change.size <= goal.converged and (goal.fed == np.inf or share * self.equations.fed(change) <= goal.fed)
 
     def outcome(self, verdict: str, x: Stages, at: Derivatives, k: int, g: Array) -> Outcome:
         if verdict in (CONVERGED, ENOUGH):

@@ -202,8 +202,8 @@ class StageEquations:
         if system.n_stresses:
             stress = stress + r5 + at.stress_change(dq, dq_rate)
         after = Stages(x.dq + dq, v + dv, x.multipliers + d_multipliers, drift, stress)
-        seen = (strains, stress - x.stress) if system.onsets else (None, None)
-        return Correction(after, self._size(dq, dv), g, *seen, r2)
+        seen, change = (strains, stress - x.stress) if system.onsets else (None, None)
+        return Correction(after, self._size(dq, dv), g, seen, change, r2)
 
     def _size(self, dq: Array, dv: Array) -> float:
         """The largest change of a stage's position, or of the final velocity times the step: both are lengths."""

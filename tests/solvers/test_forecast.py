@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import mbd
 from mbd.solvers.coefficients import tableau
 from mbd.solvers.forecast import POWERS, Fits, Memory, forecast
 from mbd.solvers.protocol import State
@@ -82,3 +83,14 @@ def test_from_a_start_velocity_and_stress_go_on_as_they_are():
     assert np.allclose(found.dq, np.outer(tableau(3).c, 0.2 * state.v)) and np.array_equal(found.v, np.tile(state.v, (3, 1)))
     assert np.allclose(middle.q, state.q + 0.1 * state.v) and np.array_equal(middle.stress, state.stress)
     assert np.array_equal(found.multipliers, np.full((3, 1), 4.0)) and np.array_equal(found.stress, np.full((3, 1), 5.0))
+
+
+@pytest.mark.parametrize("stages", STAGES)
+def test_goals_next_to_rounding_are_reached(stages):
+    """A pendulum at the tightest tolerance: what iterations may leave falls with it, but not to where rounding keeps them."""
+    scene = mbd.Scene()
+    rod = scene.add(mbd.RigidBody.rod((0, 0), (1, 0), mass=1.0))
+    scene.add(mbd.Pin(rod.at(-0.5, 0), scene.ground.at(0, 0)))
+    result = mbd.simulate(scene, 2.0, rtol=1e-12, solver=mbd.Radau(stages))
+    assert result.stats["failed"] == 0 and result.stats["newton iterations"] < 12 * result.stats["steps"]
+    assert result.audit.energy_error < 1e-10 * result.audit.energy_scale
