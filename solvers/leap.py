@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from .dop853 import NODES
+from .places import NearlySingular
 
 FIRST = np.linspace(0.1, 0.9, 81)
 """Lengths of the first part that are looked at, as shares of the step."""
@@ -26,3 +27,11 @@ def _division(place: float) -> float:
 
 DIVISIONS = tuple(_division(place) for place in (*NODES.tolist(), 1.0))
 """By the stage that is nearest to a singular position, the end last."""
+
+
+def parts(near: NearlySingular, h: float) -> tuple[float, float]:
+    """The lengths of the two parts of a step of length h, of which a stage came too near; raises that again where two parts do not avoid it."""
+    first = DIVISIONS[near.place] * h
+    if not first:
+        raise near
+    return first, h - first

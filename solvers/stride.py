@@ -12,7 +12,7 @@ import numpy as np
 
 from .dop853 import NODES, WEIGHTS
 from .index_one import Form
-from .leap import DIVISIONS
+from .leap import parts
 from .nystrom import END, STAGES
 from .places import NEARLY_SINGULAR, NearlySingular
 from .protocol import Attempt, State
@@ -66,10 +66,8 @@ class Stride:
         try:
             return self._whole(memory, state, h)
         except NearlySingular as near:
-            part = DIVISIONS[near.place] * h
-            if not part:
-                raise
-        return self._parts(memory, state, part, h - part)
+            lengths = parts(near, h)
+        return self._parts(memory, state, *lengths)
 
     def _whole(self, memory: Memory, state: State, h: float) -> Attempt:
         workspace = self.workspace

@@ -8,7 +8,7 @@ import numpy as np
 
 from .dop853 import NODES
 from .index_one import Form
-from .leap import DIVISIONS
+from .leap import parts
 from .linear import Linear
 from .nystrom import END, STAGES, combinations
 from .places import NearlySingular
@@ -90,10 +90,8 @@ class Workspace:
         try:
             return whole(memory, t, h)
         except NearlySingular as near:
-            part = DIVISIONS[near.place] * h
-            if not part:
-                raise
-        return whole(whole(memory, t, part), t + part, h - part)
+            first, second = parts(near, h)
+        return whole(whole(memory, t, first), t + first, second)
 
     def _end(self, home: Array, extent: float, shares: Array) -> Memory:
         w = self.states[END].copy()
