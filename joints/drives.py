@@ -19,7 +19,7 @@ from mbd.errors import SimulationError
 from mbd.fields import Function, Place, Vector
 from mbd.marker import Marker
 from mbd.rows import Row, shifted
-from mbd.signal import Signal
+from mbd.signal import Samples, Signal
 from mbd.target import Integral, Position, Target
 from mbd.turn import Turning
 
@@ -164,11 +164,11 @@ class Couples:
     """The kernel of all given torques of motors: forces on their turning angles."""
 
     def __init__(self, *, turns: NDArray[np.intp], signals: Sequence[Signal]):
-        self.dofs, self.signals = turns[:, None], signals
+        self.dofs, self.signals, self._samples = turns[:, None], signals, Samples(signals)
         self.constant_in_q = self.linear_in_q = True
 
     def inputs(self, times: Array) -> Array:
-        return np.stack([signal.sample(times) for signal in self.signals], axis=-1)
+        return self._samples(times)
 
     def force(self, q: Array, inputs: Array) -> Array:
         return inputs[..., None]

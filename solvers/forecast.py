@@ -35,12 +35,12 @@ class Memory(NamedTuple):
 FAST = 0.5
 """A last term below this share of the one before is no sign that the next would grow."""
 
-
 POWERS = np.arange(1, 13)
+"""Exponents of a point's powers: more than any method's stages need."""
 
 
 class Fits:
-    """Polynomials of least squares through values at the stages, ``with_start`` of the step or without, exact at its end x = 0:
+    """Polynomials of least squares through values at nodes [nodes] of a step, of which the last, its end, is x = 0: there they are exact.
 
     weights [degrees, powers, nodes]: degree d = 1, 2, ... is sum_k x^k weights[d - 1, k - 1] @ (values), added to the last value; integrated
     [degrees, powers, nodes]: the same of its integral from the end, by x^(k + 1). Points are given as their powers x, x^2, ...

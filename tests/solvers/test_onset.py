@@ -91,7 +91,7 @@ def true() -> dict[float, float]:
 def test_a_stop_written_as_a_strain_stops(solver: Any, rtol: float, accuracy: float, gravity: float, true: dict[float, float]) -> None:
     """The median of five tolerances: a dozen steps, of which one or another lands well or badly on the impact, scatter by a factor of ten."""
     errors = []
-    for nearly in np.geomspace(0.5, 2.0, 5) * rtol:
+    for nearly in np.geomspace(0.5, 2.0, 5) * rtol if isinstance(solver, mbd.Radau) else (rtol,):  # others take fixed steps
         scene, way = bouncing(gravity)
         result = mbd.simulate(scene, END, rtol=float(nearly), solver=solver)
         errors.append(abs(result.q[-1, way.coordinate] - true[gravity]))
